@@ -1,0 +1,233 @@
+//! The circuit: the patch resolved and checked, as a graph of elements and cords.
+
+mod inventory;
+mod loops;
+mod names;
+mod resolve;
+mod scaling;
+mod scope;
+mod settings;
+mod signals;
+
+use petgraph::Direction;
+use petgraph::graph::{DiGraph, NodeIndex};
+use petgraph::visit::EdgeRef as _;
+
+use crate::elements::Kind;
+use crate::machines::{Machine, Part};
+use crate::patch::{
+    Amount, Diagnostic, Formula, Parameter, Patch, PictureSpec, Placed, Report, RunPlan, Span, Unit,
+};
+
+pub use scaling::ScalingRow;
+pub use scope::Quantities;
+
+/// A patch that can be run: every input driven, units and inventory in order, loops known.
+#[derive(Debug)]
+pub struct Circuit {
+    patch: Patch,
+    machine: &'static Machine,
+    quantities: Quantities,
+    graph: DiGraph<Element, Cord>,
+    stages: Vec<Stage>,
+    signals: Vec<SignalPoint>,
+    record: Vec<usize>,
+    used: Vec<(Part, usize)>,
+    warnings: Vec<Diagnostic>,
+}
+
+/// An element, a drive or a reference.
+#[derive(Debug, Clone)]
+pub struct Element {
+    /// Its name, by which cords reach it.
+    pub name: String,
+    /// Its kind.
+    pub kind: &'static Kind,
+    /// Its settings, in the order of the kind's; `None` where the patch says nothing.
+    pub settings: Vec<Option<Placed<Amount>>>,
+    /// Index of a drive's scale.
+    pub scale: Option<usize>,
+    /// Where its name stands; references stand nowhere.
+    pub span: Option<Span>,
+}
+
+/// A cord into an input.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cord {
+    /// Index of the input among the kind's inputs.
+    pub input: usize,
+    /// Gain of the jack; 1 where it has none.
+    pub gain: f64,
+}
+
+/// A step of working out every voltage of an instant.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Stage {
+    /// An element whose direct inputs are known by now.
+    Element(usize),
+    /// A loop without an integrator; the last member opens it.
+    Loop(Vec<usize>),
+}
+
+/// A place where a quantity is read.
+#[derive(Debug, Clone)]
+pub struct SignalPoint {
+    /// Name of the signal.
+    pub name: String,
+    /// Index of the element at whose output it is read.
+    pub element: usize,
+    /// Index of its scale; without one it is in volts.
+    pub scale: Option<usize>,
+    /// What the scaled voltage is multiplied by.
+    pub factor: f64,
+}
+
+impl Circuit {
+    /// Resolves and checks a patch; `changes` are parameters set anew, in their declared units.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the patch and the changes, all at once.
+    pub fn new(patch: &Patch, changes: &[(String, f64)]) -> Result<Circuit, Box<Report>> {
+        resolve::circuit(patch, changes)
+    }
+
+    /// The patch that it was made from.
+    pub fn patch(&self) -> &Patch {
+        &self.patch
+    }
+
+    /// The machine that it is made for.
+    pub fn machine(&self) -> &'static Machine {
+        self.machine
+    }
+
+    /// What the reader should know although the circuit can be run.
+    pub fn warnings(&self) -> Report {
+        Report::new(self.patch.file(), self.patch.text(), self.warnings.clone())
+    }
+
+    /// The warnings and one more finding.
+    pub(crate) fn report_with(&self, finding: Diagnostic) -> Report {
+        let findings = self.warnings.iter().cloned().chain([finding]).collect();
+        Report::new(self.patch.file(), self.patch.text(), findings)
+    }
+
+    /// Every element, drive and reference, by index.
+    pub fn elements(&self) -> Vec<&Element> {
+        self.graph.node_weights().collect()
+    }
+
+    /// An element by index.
+    pub fn element(&self, index: usize) -> &Element {
+        &self.graph[NodeIndex::new(index)]
+    }
+
+    /// The cords into an element, in the order of the document, each with the element that it comes from.
+    pub fn cords(&self, element: usize) -> Vec<(usize, Cord)> {
+        let incoming = self.graph.edges_directed(NodeIndex::new(element), Direction::Incoming);
+        let mut cords: Vec<_> =
+            incoming.map(|edge| (edge.id(), edge.source().index(), *edge.weight())).collect();
+        cords.sort_by_key(|(id, ..)| *id);
+        cords.into_iter().map(|(_, from, cord)| (from, cord)).collect()
+    }
+
+    /// The elements that read an element's output.
+    pub fn readers(&self, element: usize) -> Vec<usize> {
+        let mut readers: Vec<_> =
+            self.graph.neighbors(NodeIndex::new(element)).map(NodeIndex::index).collect();
+        readers.sort_unstable();
+        readers.dedup();
+        readers
+    }
+
+    /// For every element, those that read it.
+    pub(crate) fn all_readers(&self) -> Vec<Vec<usize>> {
+        (0..self.graph.node_count()).map(|element| self.readers(element)).collect()
+    }
+
+    /// The order in which voltages are worked out.
+    pub fn stages(&self) -> &[Stage] {
+        &self.stages
+    }
+
+    /// The parameters with their values for this run, in their declared units.
+    pub fn parameters(&self) -> impl Iterator<Item = (&str, &Parameter, f64)> {
+        let values = self.quantities.parameter_values();
+        self.patch
+            .parameters
+            .iter()
+            .zip(values)
+            .map(|((name, parameter), value)| (name.as_str(), parameter, value))
+    }
+
+    /// Name and formula of a scale.
+    pub(crate) fn scale(&self, index: usize) -> (&str, &Formula) {
+        self.quantities.scale(index)
+    }
+
+    /// Index of a scale by name.
+    pub(crate) fn scale_index(&self, name: &str) -> Option<usize> {
+        self.patch.scales.get_index_of(name)
+    }
+
+    /// The unit of a scale.
+    pub(crate) fn scale_unit(&self, index: usize) -> &Unit {
+        &self.patch.scales[index].unit
+    }
+
+    /// Names, values and units of parameters and scales.
+    pub fn quantities(&self) -> &Quantities {
+        &self.quantities
+    }
+
+    /// Whether a formula has no unit of its own, and so stands in that of its place.
+    pub(crate) fn is_plain(&self, formula: &Formula) -> bool {
+        self.quantities.is_plain(formula)
+    }
+
+    /// Machine seconds per problem second.
+    pub fn time_scale(&self) -> f64 {
+        self.patch.time_scale
+    }
+
+    /// Everything that can be recorded: signals, drives, elements.
+    pub fn signals(&self) -> &[SignalPoint] {
+        &self.signals
+    }
+
+    /// Indices of the signals that the patch records.
+    pub fn record(&self) -> &[usize] {
+        &self.record
+    }
+
+    /// Unit of a signal: its text, and what it is in SI.
+    pub(crate) fn signal_unit(&self, signal: &SignalPoint) -> (String, f64) {
+        match signal.scale {
+            Some(scale) => {
+                let unit = self.scale_unit(scale);
+                (unit.text().to_owned(), unit.factor())
+            }
+            None => ("V".to_owned(), 1.0),
+        }
+    }
+
+    /// The parts that the circuit takes.
+    pub fn parts(&self) -> &[(Part, usize)] {
+        &self.used
+    }
+
+    /// How the patch asks to be run.
+    pub fn run_plan(&self) -> &RunPlan {
+        &self.patch.run
+    }
+
+    /// The pictures that the patch asks for.
+    pub fn pictures(&self) -> &[PictureSpec] {
+        &self.patch.pictures
+    }
+
+    /// The computer gain of the wiring between scaled signals, against the scales (eq. 4-8).
+    pub fn scaling(&self) -> Vec<ScalingRow> {
+        scaling::audit(self)
+    }
+}

@@ -1,0 +1,244 @@
+//! From the patch to the circuit, finding everything that is wrong on the way.
+
+use std::collections::HashMap;
+
+use petgraph::graph::{DiGraph, NodeIndex};
+
+use super::scope::Quantities;
+use super::{Circuit, Cord, Element, inventory, loops, names, settings, signals};
+use crate::elements::{Jacks, Kind, Output, REFERENCE, REFERENCES};
+use crate::machines::{self, Machine};
+use crate::patch::{Amount, Code, Diagnostic, Entry, Formula, Patch, Placed, Plug, Report, Span, suggestion};
+
+pub(super) type Graph = DiGraph<Element, Cord>;
+
+pub(super) fn circuit(patch: &Patch, changes: &[(String, f64)]) -> Result<Circuit, Box<Report>> {
+    let mut findings = patch.findings().to_vec();
+    names::check(patch, &mut findings);
+    let machine = machine(patch, &mut findings);
+    let quantities = Quantities::new(patch, changes, &mut findings);
+    let graph = graph(patch, machine, &mut findings);
+    settings::check(patch, &quantities, &graph, &mut findings);
+    let used = inventory::check(patch, machine, &mut findings);
+    let (points, record) = signals::resolve(patch, &graph, &mut findings);
+    let stages = loops::stages(&graph, &mut findings);
+    unused(&graph, &points, &mut findings);
+    let report = Report::new(patch.file(), patch.text(), findings);
+    if report.has_errors() {
+        return Err(Box::new(report));
+    }
+    Ok(Circuit {
+        patch: patch.clone(),
+        machine,
+        quantities,
+        graph,
+        stages,
+        signals: points,
+        record,
+        used,
+        warnings: report.findings,
+    })
+}
+
+fn machine(patch: &Patch, findings: &mut Vec<Diagnostic>) -> &'static Machine {
+    let unlimited = machines::ALL[machines::ALL.len() - 1];
+    let Some(name) = &patch.machine else { return unlimited };
+    machines::find(&name.value).unwrap_or_else(|| {
+        let known: Vec<_> = machines::ALL.iter().map(|machine| machine.name).collect();
+        let message = format!("there is no machine \"{}\"", name.value);
+        findings.push(
+            Diagnostic::at(Code::UnknownMachine, name.span, message)
+                .maybe_hint(suggestion(&name.value, &known)),
+        );
+        unlimited
+    })
+}
+
+/// References, drives and elements with their cords.
+fn graph(patch: &Patch, machine: &Machine, findings: &mut Vec<Diagnostic>) -> Graph {
+    let mut graph = Graph::new();
+    let mut places = HashMap::new();
+    for (name, volts) in REFERENCES {
+        places.insert(*name, graph.add_node(reference(name, *volts)));
+    }
+    for (name, entry) in patch.drives.iter().chain(&patch.elements) {
+        places.insert(name.as_str(), graph.add_node(element(patch, name, entry, findings)));
+    }
+    for (name, entry) in &patch.elements {
+        let cords = Cords { name, entry, machine, places: &places };
+        cords.plug_in(&mut graph, findings);
+    }
+    graph
+}
+
+fn reference(name: &str, volts: f64) -> Element {
+    let volts = Placed { value: Amount::Formula(Formula::constant(volts)), span: Span::default() };
+    Element { name: name.to_owned(), kind: &REFERENCE, settings: vec![Some(volts)], scale: None, span: None }
+}
+
+fn element(patch: &Patch, name: &str, entry: &Entry, findings: &mut Vec<Diagnostic>) -> Element {
+    let scale = entry.scale.as_ref().and_then(|scale| find_scale(patch, scale, findings));
+    Element {
+        name: name.to_owned(),
+        kind: entry.kind,
+        settings: entry.settings.clone(),
+        scale,
+        span: Some(entry.span),
+    }
+}
+
+/// The index of a scale by its name as written.
+pub(super) fn find_scale(
+    patch: &Patch,
+    name: &Placed<String>,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<usize> {
+    let found = patch.scales.get_index_of(&name.value);
+    if found.is_none() {
+        let known: Vec<_> = patch.scales.keys().map(String::as_str).collect();
+        let message = format!("there is no scale {}", name.value);
+        let hint = suggestion(&name.value, &known);
+        findings.push(Diagnostic::at(Code::UnknownName, name.span, message).maybe_hint(hint));
+    }
+    found
+}
+
+/// The cords of one element.
+struct Cords<'a> {
+    name: &'a str,
+    entry: &'a Entry,
+    machine: &'a Machine,
+    places: &'a HashMap<&'a str, NodeIndex>,
+}
+
+impl Cords<'_> {
+    fn plug_in(&self, graph: &mut Graph, findings: &mut Vec<Diagnostic>) {
+        let mut plugged = vec![Vec::new(); self.entry.kind.inputs.len()];
+        for plug in &self.entry.plugs {
+            let Some((input, gain)) = self.jack(&plug.jack, findings) else { continue };
+            plugged[input].push(plug);
+            if let Some(from) = self.driver(plug, findings) {
+                graph.add_edge(from, self.places[self.name], Cord { input, gain });
+            }
+        }
+        let mut empty = vec![None; plugged.len()];
+        for jack in &self.entry.empty_jacks {
+            if let Some((input, _)) = self.jack(jack, findings) {
+                empty[input] = Some(jack.span);
+            }
+        }
+        for (input, plugs) in plugged.iter().enumerate() {
+            self.count(input, plugs, empty[input], findings);
+        }
+    }
+
+    /// The input and gain of a jack by its name.
+    fn jack(&self, jack: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<(usize, f64)> {
+        let kind = self.entry.kind;
+        // A bare list on an amplifier was reported when it was read; it stands for the input itself.
+        if let Some(input) = kind.inputs.iter().position(|input| input.name == jack.value) {
+            return Some((input, 1.0));
+        }
+        let found = kind.input(&jack.value);
+        match found {
+            None => findings.push(self.unknown_jack(jack)),
+            Some((_, gain)) => self.gain(jack, gain, findings),
+        }
+        found
+    }
+
+    fn unknown_jack(&self, jack: &Placed<String>) -> Diagnostic {
+        let message =
+            format!("{} is a {} and has no input \"{}\"", self.name, self.entry.kind.name, jack.value);
+        let jacks: Vec<_> =
+            self.entry.kind.inputs.iter().map(|input| jack_names(input.name, input.jacks)).collect();
+        let known =
+            if jacks.is_empty() { "it has none".to_owned() } else { format!("it has {}", jacks.join(", ")) };
+        Diagnostic::at(Code::UnknownInput, jack.span, message).hint(known)
+    }
+
+    fn gain(&self, jack: &Placed<String>, gain: f64, findings: &mut Vec<Diagnostic>) {
+        let gains = gains(self.machine, self.entry.kind);
+        if gains.is_empty() || gains.contains(&gain) {
+            return;
+        }
+        let known: Vec<_> = gains.iter().map(|gain| format!("x{gain}")).collect();
+        let message =
+            format!("the {} has no input gain x{gain} on a {}", self.machine.name, self.entry.kind.name);
+        let hint = format!("it has {}: put a pot in front of one of these", known.join(", "));
+        findings.push(Diagnostic::at(Code::MissingGain, jack.span, message).hint(hint));
+    }
+
+    fn driver(&self, plug: &Plug, findings: &mut Vec<Diagnostic>) -> Option<NodeIndex> {
+        let found = self.places.get(plug.from.value.as_str()).copied();
+        if found.is_none() {
+            let mut known: Vec<_> = self.places.keys().copied().collect();
+            known.sort_unstable();
+            let message =
+                format!("{} is driven by {}, which is not in the patch", self.name, plug.from.value);
+            let hint = suggestion(&plug.from.value, &known);
+            findings.push(Diagnostic::at(Code::UnknownName, plug.from.span, message).maybe_hint(hint));
+        }
+        found
+    }
+
+    /// Holds the number of cords of an input against its jacks.
+    fn count(&self, input: usize, plugs: &[&Plug], empty: Option<Span>, findings: &mut Vec<Diagnostic>) {
+        let row = &self.entry.kind.inputs[input];
+        let allowed = match row.jacks {
+            Jacks::One => 1,
+            Jacks::Exactly(count) => count,
+            Jacks::Any | Jacks::Gains => usize::MAX,
+        };
+        if let Some(extra) = plugs.get(allowed) {
+            findings.push(self.too_many(input, plugs, extra));
+        }
+        let least = if let Jacks::Exactly(count) = row.jacks { count } else { 1 };
+        if (row.required || empty.is_some()) && plugs.len() < least {
+            let span = plugs.first().map(|plug| plug.from.span).or(empty).unwrap_or(self.entry.span);
+            let what = jack_names(row.name, row.jacks);
+            let message = match plugs.len() {
+                0 => format!("nothing drives {} of {}", what, self.name),
+                some => format!("{} of {} needs {least} cords and has {some}", what, self.name),
+            };
+            let hint = format!("{}; use \"ground\" for 0 V", row.description);
+            findings.push(Diagnostic::at(Code::NoDriver, span, message).hint(hint));
+        }
+    }
+
+    fn too_many(&self, input: usize, plugs: &[&Plug], extra: &Plug) -> Diagnostic {
+        let row = &self.entry.kind.inputs[input];
+        if let Jacks::Exactly(count) = row.jacks {
+            let message = format!("{} takes {count} cords and is given {}", self.name, plugs.len());
+            return Diagnostic::at(Code::TooManyInputs, extra.from.span, message)
+                .hint("use a second element for the others");
+        }
+        let (first, second) = (&plugs[0].from.value, &extra.from.value);
+        let message =
+            format!("the outputs of {first} and {second} are tied together at {} of {}", row.name, self.name);
+        Diagnostic::at(Code::OutputsTied, extra.from.span, message)
+            .hint("add them in a summer, and plug in its output")
+    }
+}
+
+fn jack_names(name: &str, jacks: Jacks) -> String {
+    if jacks == Jacks::Gains { format!("{name}1, {name}10, ...") } else { format!("\"{name}\"") }
+}
+
+fn gains(machine: &Machine, kind: &Kind) -> &'static [f64] {
+    if kind.output == Output::Integrator { machine.integrator_gains } else { machine.summer_gains }
+}
+
+/// Warns of elements whose output nothing reads and nobody records.
+fn unused(graph: &Graph, points: &[super::SignalPoint], findings: &mut Vec<Diagnostic>) {
+    for index in graph.node_indices() {
+        let element = &graph[index];
+        let named = points.iter().any(|point| point.element == index.index() && point.name != element.name);
+        let Some(span) = element.span else { continue };
+        if graph.neighbors(index).next().is_none() && !named {
+            let message = format!("nothing reads {}", element.name);
+            let hint = "name a signal at it, plug it in somewhere, or leave it out";
+            findings.push(Diagnostic::at(Code::UnusedElement, span, message).hint(hint));
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! Settings: their units, their values now, and over the ranges of their parameters.
+
+use petgraph::graph::NodeIndex;
+
+use super::resolve::Graph;
+use super::scope::Quantities;
+use crate::elements::{Family, Kind, Measure, Output, Setting};
+use crate::patch::{Amount, Code, Diagnostic, Dimension, Entry, Formula, Patch, Placed, Unit};
+
+/// Checks every setting of every element and drive.
+pub(super) fn check(patch: &Patch, quantities: &Quantities, graph: &Graph, findings: &mut Vec<Diagnostic>) {
+    for (name, entry) in patch.drives.iter().chain(&patch.elements) {
+        let leads_on = graph.node_indices().find(|index| graph[*index].name == *name);
+        let before_integrator = leads_on.is_some_and(|index| feeds_integrator(graph, index));
+        let unit =
+            entry.scale.as_ref().and_then(|scale| patch.scales.get(&scale.value)).map(|scale| &scale.unit);
+        let checker = Checker { name, entry, patch, quantities, before_integrator, unit };
+        checker.all(findings);
+    }
+}
+
+/// Whether a voltage goes into an integrator, directly or through pots.
+fn feeds_integrator(graph: &Graph, from: NodeIndex) -> bool {
+    let mut seen = vec![from];
+    let mut next = 0;
+    while let Some(index) = seen.get(next).copied() {
+        next += 1;
+        for reader in graph.neighbors(index) {
+            let kind = graph[reader].kind;
+            if kind.output == Output::Integrator {
+                return true;
+            }
+            if is_pot(kind) && !seen.contains(&reader) {
+                seen.push(reader);
+            }
+        }
+    }
+    false
+}
+
+fn is_pot(kind: &Kind) -> bool {
+    kind.family == Family::Computing
+        && kind.settings.len() == 1
+        && kind.settings[0].measure == Measure::Fraction
+}
+
+struct Checker<'a> {
+    name: &'a str,
+    entry: &'a Entry,
+    patch: &'a Patch,
+    quantities: &'a Quantities,
+    before_integrator: bool,
+    /// Unit of a drive's scale.
+    unit: Option<&'a Unit>,
+}
+
+impl Checker<'_> {
+    fn all(&self, findings: &mut Vec<Diagnostic>) {
+        let mut values = vec![None; self.entry.settings.len()];
+        for (index, row) in self.entry.kind.settings.iter().enumerate() {
+            let Some(placed) = &self.entry.settings[index] else { continue };
+            if let Amount::Formula(formula) = &placed.value {
+                let placed = Placed { value: formula.clone(), span: placed.span };
+                values[index] = self.one(row, &placed, findings);
+            }
+        }
+        self.order(&values, findings);
+    }
+
+    /// A setting's value, once unit and range are found fit.
+    fn one(&self, row: &Setting, placed: &Placed<Formula>, findings: &mut Vec<Diagnostic>) -> Option<f64> {
+        if matches!(row.measure, Measure::Signal | Measure::SignalRate) && self.unit.is_none() {
+            return None;
+        }
+        let wanted = self.wanted(row.measure);
+        let value =
+            self.quantities.checked(placed, |found| self.fits(row.measure, found), &wanted, findings)?;
+        if self.is_outside(row, value) {
+            findings.push(self.outside(row, placed, value));
+            return None;
+        }
+        if row.measure == Measure::Fraction {
+            self.over_ranges(row, placed, findings);
+        }
+        Some(value)
+    }
+
+    fn fits(&self, measure: Measure, found: Dimension) -> bool {
+        let per_second = Dimension::NONE.over(Dimension::TIME);
+        let unit = self.unit.map_or(Dimension::NONE, Unit::dimension);
+        match measure {
+            Measure::Fraction => found.is_none() || (self.before_integrator && is_rate(found)),
+            Measure::Volts => found.is_none() || found == Dimension::VOLTAGE,
+            Measure::MachineSeconds | Measure::Seconds => found == Dimension::TIME,
+            Measure::Hertz => found == per_second,
+            Measure::Signal => found == unit,
+            Measure::SignalRate => found == unit.times(per_second),
+            _ => found.is_none(),
+        }
+    }
+
+    fn wanted(&self, measure: Measure) -> String {
+        let unit = self.unit.map_or(Dimension::NONE, Unit::dimension);
+        match measure {
+            Measure::Fraction if self.before_integrator => {
+                "a pure number (or 1/s, before an integrator)".to_owned()
+            }
+            Measure::MachineSeconds | Measure::Seconds => "a time in s".to_owned(),
+            Measure::Hertz => "a frequency in 1/s".to_owned(),
+            Measure::Signal => unit.to_string(),
+            Measure::SignalRate => unit.over(Dimension::TIME).to_string(),
+            _ => "a pure number".to_owned(),
+        }
+    }
+
+    fn is_outside(&self, row: &Setting, value: f64) -> bool {
+        // A setting that is 1 but for the last bit is 1.
+        let slack = if row.measure == Measure::Fraction { ROUNDING } else { 0.0 };
+        value < row.range.0 - slack || value > row.range.1 + slack
+    }
+
+    fn outside(&self, row: &Setting, placed: &Placed<Formula>, value: f64) -> Diagnostic {
+        let (low, high) = row.range;
+        let code = if row.measure == Measure::Fraction { Code::SettingOutside } else { Code::BadNumber };
+        let unit = if row.unit() == "1" { String::new() } else { format!(" {}", row.unit()) };
+        let message = format!(
+            "the {} of {} comes to {value:.6}{unit}, outside {low} ... {high}{unit}",
+            row.name.replace('.', " "),
+            self.name
+        );
+        let finding = Diagnostic::at(code, placed.span, message);
+        if code == Code::SettingOutside {
+            finding.hint("move a factor of 10 between the pot and the gain behind it")
+        } else {
+            finding
+        }
+    }
+
+    /// Warns when a setting leaves its range somewhere in the ranges of the parameters that it names.
+    fn over_ranges(&self, row: &Setting, placed: &Placed<Formula>, findings: &mut Vec<Diagnostic>) {
+        let named = self.named_parameters(&placed.value);
+        let corners = self.corners(&named);
+        let worst = corners.iter().find_map(|corner| {
+            let value = placed.value.evaluate(&corner.0).ok()?;
+            self.is_outside(row, value).then_some((value, &corner.1))
+        });
+        if let Some((value, at)) = worst {
+            let message = format!("the {} of {} would come to {value:.4} at {at}", row.name, self.name);
+            let hint = "narrow the range of the parameter, or rescale";
+            findings.push(Diagnostic::at(Code::SettingRange, placed.span, message).hint(hint));
+        }
+    }
+
+    /// The parameters that a formula names, itself or through scales, which have a range.
+    fn named_parameters(&self, formula: &Formula) -> Vec<usize> {
+        let scales = formula.names().into_iter().filter_map(|name| self.patch.scales.get(name));
+        let through =
+            scales.filter_map(|scale| scale.per_volt.as_ref()).flat_map(|placed| placed.value.names());
+        let mut named: Vec<usize> = formula
+            .names()
+            .into_iter()
+            .chain(through)
+            .filter_map(|name| self.patch.parameters.get_index_of(name))
+            .filter(|index| self.patch.parameters[*index].range.is_some())
+            .collect();
+        named.sort_unstable();
+        named.dedup();
+        named
+    }
+
+    /// The quantities at least, middle and largest value of these parameters, in every combination.
+    fn corners(&self, named: &[usize]) -> Vec<(Quantities, String)> {
+        let mut corners = vec![(self.quantities.clone(), String::new())];
+        for index in named.iter().take(MOST_VARIED) {
+            let Some((name, parameter)) = self.patch.parameters.get_index(*index) else { continue };
+            let Some((low, high)) = parameter.range else { continue };
+            let values = [low, (low + high) / 2.0, high];
+            corners = corners
+                .into_iter()
+                .flat_map(|(quantities, told)| {
+                    let comma = if told.is_empty() { "" } else { ", " };
+                    values.map(|value| {
+                        (quantities.with(*index, value), format!("{told}{comma}{name} = {value}"))
+                    })
+                })
+                .collect();
+        }
+        corners
+    }
+
+    /// Some settings must lie below others.
+    fn order(&self, values: &[Option<f64>], findings: &mut Vec<Diagnostic>) {
+        for (lower, upper) in self.entry.kind.ordered {
+            let value = |name: &str| self.entry.kind.setting(name).and_then(|index| values[index]);
+            if let (Some(low), Some(high)) = (value(lower), value(upper))
+                && low >= high
+            {
+                let message =
+                    format!("{lower} of {} is {low}, which is not below {upper}, {high}", self.name);
+                findings.push(Diagnostic::at(Code::BadNumber, self.entry.span, message));
+            }
+        }
+    }
+}
+
+/// What rounding may add to a setting of 1.
+const ROUNDING: f64 = 1e-12;
+/// More parameters than this in one formula are not varied all at once.
+const MOST_VARIED: usize = 6;
+
+/// 1/s or 1/s2: what an integrator's gain per second turns into a pure number.
+fn is_rate(dimension: Dimension) -> bool {
+    [1.0, 2.0].iter().any(|power| dimension == Dimension::NONE.over(Dimension::TIME.power(*power)))
+}

@@ -1,0 +1,165 @@
+//! Integrating amplifier, with an optional brake and optional rebound stops.
+
+use crate::machines::{Part, REFERENCE};
+use crate::program::{Guard, Lowering, Register, Transition};
+
+use super::{Default, Family, Input, Jacks, Kind, Measure, Output, Setting, Takes};
+
+pub(super) static KIND: Kind = Kind {
+    name: "integrator",
+    family: Family::Computing,
+    summary: "integrating amplifier: integrates its inputs over machine time, each times its gain, and inverts",
+    law: "d out / dt = -(sum of gain x input); with a brake: at out = 0 and |sum| <= brake it stands still, \
+          otherwise brake x sign(out) is subtracted from d out / dt; with a gap: when the lowest gap closes \
+          (falls to 0), out becomes -restitution x out",
+    overload: "stops at ±100 V and leaves at once when its input turns; the lamp lights when more is asked for",
+    modes: "stands at initial in initial condition; keeps its output in hold",
+    source: "thesis 8.1; brake: Coulomb friction as a force that knows the net force",
+    symbol: "integrator",
+    inputs: &[
+        Input {
+            name: "x",
+            jacks: Jacks::Gains,
+            required: true,
+            direct: false,
+            description: "summing inputs, the gain per machine second in the name",
+        },
+        Input {
+            name: "brake_x",
+            jacks: Jacks::Gains,
+            required: false,
+            direct: false,
+            description: "brake level (>= 0), the gain per machine second in the name; levels add",
+        },
+        Input {
+            name: "gap",
+            jacks: Jacks::Any,
+            required: false,
+            direct: false,
+            description: "distance to a stop that throws the output back when it falls to 0",
+        },
+    ],
+    settings: &[
+        Setting {
+            name: "initial",
+            measure: Measure::Volts,
+            default: Default::Number(0.0),
+            range: (-REFERENCE, REFERENCE),
+            description: "output in initial condition",
+        },
+        Setting {
+            name: "restitution",
+            measure: Measure::Ratio,
+            default: Default::Number(1.0),
+            range: (0.0, 1.0),
+            description: "share of the output that a stop throws back",
+        },
+        Setting {
+            name: "rest",
+            measure: Measure::Volts,
+            default: Default::Number(1e-3),
+            range: (0.0, REFERENCE),
+            description: "output thrown back below which it comes to rest against the stop",
+        },
+    ],
+    ordered: &[],
+    parts: &[
+        Takes::always(Part::Integrator, 1),
+        Takes::with("brake_x", Part::Brake, 1),
+        Takes::with("gap", Part::Rebound, 1),
+    ],
+    output: Output::Integrator,
+    output_law,
+    memory_law: Some(memory_law),
+};
+
+fn output_law(lowering: &mut Lowering<'_>) -> Register {
+    lowering.new_state("initial")
+}
+
+fn memory_law(lowering: &mut Lowering<'_>) {
+    let sum = lowering.sum("x");
+    let mut rate = lowering.negate(sum);
+    if lowering.is_driven("brake_x") {
+        rate = brake(lowering, rate);
+    }
+    if lowering.is_driven("gap") {
+        rate = rebound(lowering, rate);
+    }
+    lowering.set_rate(rate);
+}
+
+const STUCK: f64 = 0.0;
+
+/// Modes of a brake: stuck, or the sign of the output while it slips.
+fn brake(lowering: &mut Lowering<'_>, net: Register) -> Register {
+    let direction = lowering.new_mode(STUCK);
+    let level = lowering.sum("brake_x");
+    let (zero, out) = (lowering.constant(0.0), lowering.state());
+    let level = lowering.maximum(level, zero);
+    for sign in [1.0, -1.0] {
+        let along = lowering.constant(sign);
+        let (pull, speed) = (lowering.multiply(along, net), lowering.multiply(along, out));
+        let excess = lowering.subtract(pull, level);
+        let (short, back) = (lowering.negate(excess), lowering.negate(speed));
+        let stops = lowering.minimum(back, short);
+        lowering.transition(Transition::new(STUCK, sign, Guard::passed(speed)));
+        lowering.transition(Transition::new(STUCK, sign, Guard::passed(excess)));
+        lowering.transition(Transition::new(sign, STUCK, Guard::reached(stops)).reset(lowering, zero));
+    }
+    let friction = lowering.multiply(level, direction);
+    let slipping = lowering.subtract(net, friction);
+    let size = lowering.absolute(direction);
+    let half = lowering.constant(0.5);
+    lowering.select(size, half, slipping, zero)
+}
+
+/// Clear of the stops; the other modes carry the sign of the output that closed the gap.
+const CLEAR: f64 = 0.0;
+/// Thrown back, and not yet clear of the stop.
+const THROWN: f64 = 1.0;
+/// At rest against the stop.
+const RESTING: f64 = 2.0;
+
+fn rebound(lowering: &mut Lowering<'_>, rate: Register) -> Register {
+    let contact = lowering.new_mode(CLEAR);
+    let gaps = lowering.inputs("gap");
+    let gap = gaps.iter().copied().reduce(|a, b| lowering.minimum(a, b));
+    let gap = gap.unwrap_or_else(|| lowering.constant(0.0));
+    let (zero, out) = (lowering.constant(0.0), lowering.state());
+    let thrown = thrown_back(lowering, out);
+    let (overlap, slow) = (lowering.negate(gap), slowness(lowering, thrown));
+    for sign in [1.0, -1.0] {
+        let along = lowering.constant(sign);
+        let (closing, pull) = (lowering.multiply(along, out), lowering.multiply(along, rate));
+        let hits = lowering.minimum(overlap, closing);
+        let settles = lowering.minimum(hits, slow);
+        let leaves = lowering.negate(pull);
+        for from in [CLEAR, sign * THROWN] {
+            lowering.transition(
+                Transition::new(from, sign * RESTING, Guard::passed(settles)).reset(lowering, zero),
+            );
+            lowering.transition(
+                Transition::new(from, sign * THROWN, Guard::passed(hits)).reset(lowering, thrown),
+            );
+        }
+        lowering.transition(Transition::new(sign * THROWN, CLEAR, Guard::passed(gap)));
+        lowering.transition(Transition::new(sign * RESTING, CLEAR, Guard::passed(gap)));
+        lowering.transition(Transition::new(sign * RESTING, sign * THROWN, Guard::passed(leaves)));
+    }
+    let size = lowering.absolute(contact);
+    let resting = lowering.constant((THROWN + RESTING) / 2.0);
+    lowering.select(size, resting, zero, rate)
+}
+
+fn thrown_back(lowering: &mut Lowering<'_>, out: Register) -> Register {
+    let restitution = lowering.get("restitution");
+    let kept = lowering.multiply(restitution, out);
+    lowering.negate(kept)
+}
+
+/// How far the output thrown back lies under the level of rest.
+fn slowness(lowering: &mut Lowering<'_>, thrown: Register) -> Register {
+    let (rest, speed) = (lowering.get("rest"), lowering.absolute(thrown));
+    lowering.subtract(rest, speed)
+}

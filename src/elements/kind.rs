@@ -1,0 +1,233 @@
+//! What an element says of itself, once, for the checker, the schema, the reference page and every backend.
+
+use std::fmt;
+
+use crate::machines::Part;
+use crate::program::{Lowering, Register};
+
+/// One kind of computing element or drive: a row of the registry.
+pub struct Kind {
+    /// Name in documents, such as "summer".
+    pub name: &'static str,
+    /// Whether it is a computing element or a drive.
+    pub family: Family,
+    /// What it is, in one line.
+    pub summary: &'static str,
+    /// Its law as a formula in volts.
+    pub law: &'static str,
+    /// What it does at overload.
+    pub overload: &'static str,
+    /// What it does in initial condition and in hold.
+    pub modes: &'static str,
+    /// Where the law comes from.
+    pub source: &'static str,
+    /// Name of its symbol in drawings.
+    pub symbol: &'static str,
+    /// Its inputs; the first is the one that a bare `"in"` means.
+    pub inputs: &'static [Input],
+    /// What can be set on it.
+    pub settings: &'static [Setting],
+    /// Settings of which the first must lie below the second.
+    pub ordered: &'static [(&'static str, &'static str)],
+    /// The parts of a machine that it is made of.
+    pub parts: &'static [Takes],
+    /// Whether its output is an amplifier's: stops at ±100 V and lights a lamp.
+    pub output: Output,
+    /// Emits the operations of its output, reading inputs that are `direct` only.
+    pub output_law: fn(&mut Lowering<'_>) -> Register,
+    /// Emits what its memory needs (rates, guards, histories), reading any input.
+    pub memory_law: Option<fn(&mut Lowering<'_>)>,
+}
+
+/// Parts of a machine that an element is made of.
+pub struct Takes {
+    /// The part.
+    pub part: Part,
+    /// How many.
+    pub count: usize,
+    /// The input or setting (or group of settings) with which it takes them; "": always.
+    pub with: &'static str,
+}
+
+impl Takes {
+    /// Parts that the element always takes.
+    pub const fn always(part: Part, count: usize) -> Self {
+        Takes { part, count, with: "" }
+    }
+
+    /// Parts that the element takes only with this input, setting or group of settings.
+    pub const fn with(with: &'static str, part: Part, count: usize) -> Self {
+        Takes { part, count, with }
+    }
+}
+
+/// Where a kind may stand in a document.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    /// In `elements`: patched by cords, set in volts.
+    Computing,
+    /// In `drives`: a function of time, set in the physical units of its scale.
+    Drive,
+    /// In the machine itself: the fixed references.
+    Reference,
+}
+
+/// What stands behind an output jack.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Output {
+    /// An amplifier: clipped at ±100 V, with an overload lamp.
+    Amplifier,
+    /// An amplifier that integrates: its state is what is limited.
+    Integrator,
+    /// A network without an amplifier: as high as what drives it.
+    Passive,
+}
+
+/// An input of an element.
+pub struct Input {
+    /// Name of the jack, or the prefix of jacks with gains ("x" for x1, x10, ...).
+    pub name: &'static str,
+    /// How many cords it takes.
+    pub jacks: Jacks,
+    /// Whether the patch must drive it.
+    pub required: bool,
+    /// Whether the output follows it within the same instant.
+    pub direct: bool,
+    /// What it is for.
+    pub description: &'static str,
+}
+
+/// How cords go into an input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Jacks {
+    /// One jack, one cord.
+    One,
+    /// This many equal jacks, one cord each, all of them driven.
+    Exactly(usize),
+    /// Any number of equal jacks.
+    Any,
+    /// Summing jacks, each with the gain that its name says.
+    Gains,
+}
+
+/// Something that can be set on an element.
+pub struct Setting {
+    /// Key in the document; a dot means a nested object ("limit.upper").
+    pub name: &'static str,
+    /// What kind of value it is, and in which unit.
+    pub measure: Measure,
+    /// What it is when the patch does not say.
+    pub default: Default,
+    /// Least and largest value allowed.
+    pub range: (f64, f64),
+    /// What it does.
+    pub description: &'static str,
+}
+
+/// What a setting's value measures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Measure {
+    /// A potentiometer setting: a pure number from 0 to 1; a rate before an integrator.
+    Fraction,
+    /// A pure number.
+    Ratio,
+    /// Volts of the machine.
+    Volts,
+    /// Machine seconds.
+    MachineSeconds,
+    /// Problem seconds (drives).
+    Seconds,
+    /// Cycles per problem second (drives).
+    Hertz,
+    /// An angle in radians (drives).
+    Radians,
+    /// The unit of the drive's scale.
+    Signal,
+    /// The unit of the drive's scale per problem second.
+    SignalRate,
+    /// true or false.
+    Flag,
+    /// One of these words.
+    Choice(&'static [&'static str]),
+    /// A list of points [problem seconds, value in the unit of the drive's scale].
+    Points,
+}
+
+/// What a setting is when the patch does not say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Default {
+    /// The patch must say.
+    Required,
+    /// This number (for flags: not 0 is true; for choices: the index).
+    Number(f64),
+    /// There is none, and the element does without.
+    Absent,
+}
+
+impl fmt::Debug for Kind {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name)
+    }
+}
+
+impl Kind {
+    /// The input of this name, or whose prefix with a gain this is, and that gain.
+    pub fn input(&self, jack: &str) -> Option<(usize, f64)> {
+        self.inputs.iter().enumerate().find_map(|(index, input)| match input.jacks {
+            Jacks::Gains => gain_of(input.name, jack).map(|gain| (index, gain)),
+            _ => (input.name == jack).then_some((index, 1.0)),
+        })
+    }
+
+    /// The index of a setting by its name.
+    pub fn setting(&self, name: &str) -> Option<usize> {
+        self.settings.iter().position(|setting| setting.name == name)
+    }
+
+    /// Whether the output can change at once when an input does.
+    pub fn has_memory(&self) -> bool {
+        self.memory_law.is_some()
+    }
+}
+
+/// The gain in a jack's name: 10 in "x10" for the prefix "x".
+fn gain_of(prefix: &str, jack: &str) -> Option<f64> {
+    let digits = jack.strip_prefix(prefix)?;
+    let plain = !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+    let gain: f64 = if plain { digits.parse().ok()? } else { return None };
+    (gain > 0.0).then_some(gain)
+}
+
+impl Setting {
+    /// A setting that is a number: the unit in which its plain numbers stand.
+    pub fn unit(&self) -> &'static str {
+        match self.measure {
+            Measure::Fraction | Measure::Ratio => "1",
+            Measure::Volts => "V",
+            Measure::MachineSeconds => "machine s",
+            Measure::Seconds => "s",
+            Measure::Hertz => "Hz",
+            Measure::Radians => "rad",
+            Measure::Signal => "unit of the scale",
+            Measure::SignalRate => "unit of the scale per s",
+            Measure::Flag => "true or false",
+            Measure::Choice(_) => "a word",
+            Measure::Points => "[s, unit of the scale]",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gains_are_read_from_the_name_of_the_jack() {
+        assert_eq!(gain_of("x", "x10"), Some(10.0));
+        assert_eq!(gain_of("x", "x0.5"), Some(0.5));
+        assert_eq!(gain_of("brake_x", "brake_x1000"), Some(1000.0));
+        for wrong in ["x", "x0", "x-1", "x1e3", "y1", "xten", "x1.2.3", "brake_x1"] {
+            assert_eq!(gain_of("x", wrong), None, "{wrong}");
+        }
+    }
+}

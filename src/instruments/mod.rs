@@ -1,0 +1,1 @@
+//! Instruments: what can be read from a trace.

@@ -1,0 +1,32 @@
+//! patchcord: a virtual analogue computer.
+//!
+//! Patches of summers, integrators, potentiometers, diodes and quarter-squares multipliers, written as JSON,
+//! wired as a graph, stepped in time in volts, read with the instruments of the period. Five types in a row,
+//! each made from the one before: [`patch::Patch`], [`circuit::Circuit`], [`program::Program`],
+//! [`trace::Trace`], and what [`instruments`] read.
+//!
+//! ```
+//! use patchcord::{circuit::Circuit, patch::Patch, program::Program, solve};
+//!
+//! let patch = Patch::read("patches/thesis/fig-8-16.json".as_ref())?;
+//! let circuit = Circuit::new(&patch, &[("VcL".into(), 5.08e-3)])?;
+//! let program = Program::new(&circuit)?;
+//! let settings = solve::RunSettings { duration: 0.1, ..solve::RunSettings::of(&circuit)? };
+//! let trace = solve::run(&program, &settings)?;
+//! assert_eq!(trace.track("v_o").unwrap().unit, "m/s");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod circuit;
+pub mod cli;
+pub mod elements;
+pub mod instruments;
+pub mod machines;
+pub mod patch;
+pub mod plot;
+pub mod program;
+pub mod solve;
+pub mod trace;

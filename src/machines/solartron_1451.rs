@@ -1,0 +1,20 @@
+//! The valve machine of the thesis.
+
+use super::{Machine, Part};
+
+/// Solartron 1451, as chapter 8.1 of the thesis lists it.
+pub static MACHINE: Machine = Machine {
+    name: "solartron-1451",
+    title: "Solartron 1451: valve amplifiers, chopper stabilised, ±100 V",
+    source: "thesis, section 8.1",
+    inventory: Some(&[
+        (Part::Summer, 16),
+        (Part::Integrator, 8),
+        (Part::FixedPot, 12),
+        (Part::FreePot, 6),
+        (Part::DiodePair, 4),
+        (Part::Multiplier, 2),
+    ]),
+    summer_gains: &[1.0, 10.0],
+    integrator_gains: &[1.0, 10.0, 100.0, 1000.0],
+};

@@ -1,0 +1,7 @@
+//! The command `patchcord`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    patchcord::cli::main()
+}

@@ -1,0 +1,231 @@
+//! What is wrong with a patch, as data: a code, a place in the file, a message and a hint.
+
+use std::fmt;
+use std::ops::Range;
+
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use serde_json::{Value, json};
+
+use super::code::Code;
+use super::units::nearest;
+
+/// A stretch of the document's text, in bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Span {
+    /// First byte.
+    pub start: usize,
+    /// One past the last byte.
+    pub end: usize,
+}
+
+impl Span {
+    /// A part of this span, given in bytes from its start; never leaves it.
+    pub fn part(self, range: &Range<usize>) -> Span {
+        let start = (self.start + range.start).min(self.end);
+        Span { start, end: (self.start + range.end).clamp(start, self.end) }
+    }
+}
+
+/// Whether a finding stops the patch from running.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Severity {
+    /// The patch cannot be run.
+    Error,
+    /// The patch runs, but the reader should know.
+    Warning,
+}
+
+impl Severity {
+    /// The word used in reports.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+        }
+    }
+}
+
+/// One finding about a patch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diagnostic {
+    /// Stable code; docs/diagnostics.md lists them all.
+    pub code: Code,
+    /// Where in the text it stands, where it stands anywhere.
+    pub span: Option<Span>,
+    /// What is wrong, in one sentence.
+    pub message: String,
+    /// What to do about it.
+    pub hint: Option<String>,
+}
+
+impl Diagnostic {
+    /// A finding at a place of the text.
+    pub fn at(code: Code, span: Span, message: impl Into<String>) -> Self {
+        Diagnostic { code, span: Some(span), message: message.into(), hint: None }
+    }
+
+    /// A finding that has no place in the text, such as a wrong `--set`.
+    pub fn nowhere(code: Code, message: impl Into<String>) -> Self {
+        Diagnostic { code, span: None, message: message.into(), hint: None }
+    }
+
+    /// The same finding with advice.
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    /// The same finding with advice where there is any.
+    pub fn maybe_hint(mut self, hint: Option<String>) -> Self {
+        self.hint = hint.or(self.hint);
+        self
+    }
+}
+
+/// All findings about one document, with the text they speak of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// The document's file name, as the reader wrote it.
+    pub file: String,
+    /// The document's text.
+    pub text: String,
+    /// The findings, in the order of the text.
+    pub findings: Vec<Diagnostic>,
+}
+
+impl Report {
+    /// A report on a document; findings are put into the order of the text.
+    pub fn new(file: &str, text: &str, mut findings: Vec<Diagnostic>) -> Self {
+        findings.sort_by_key(|finding| finding.span.map_or(usize::MAX, |span| span.start));
+        Report { file: file.to_owned(), text: text.to_owned(), findings }
+    }
+
+    /// Whether anything stops the patch from running.
+    pub fn has_errors(&self) -> bool {
+        self.errors() > 0
+    }
+
+    /// Number of findings that stop the patch.
+    pub fn errors(&self) -> usize {
+        self.findings.iter().filter(|finding| finding.code.severity() == Severity::Error).count()
+    }
+
+    /// Number of findings that do not.
+    pub fn warnings(&self) -> usize {
+        self.findings.len() - self.errors()
+    }
+
+    /// Line and column (both from 1, columns in characters) of a byte of the text.
+    pub fn line_and_column(&self, byte: usize) -> (usize, usize) {
+        let before = &self.text[..floor_char_boundary(&self.text, byte)];
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+    }
+
+    /// The report as a terminal shows it, with the guilty line of each finding.
+    pub fn render(&self, colour: bool) -> String {
+        let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
+        let shown: Vec<String> =
+            self.findings.iter().map(|finding| renderer.render(&[self.group(finding)])).collect();
+        shown.join("\n\n")
+    }
+
+    fn group<'a>(&'a self, finding: &'a Diagnostic) -> Group<'a> {
+        let level = match finding.code.severity() {
+            Severity::Error => Level::ERROR,
+            Severity::Warning => Level::WARNING,
+        };
+        let title = level.primary_title(&finding.message).id(finding.code.as_str());
+        let mut group = Group::with_title(title);
+        if let Some(span) = finding.span {
+            let place = AnnotationKind::Primary.span(self.byte_range(span));
+            group = group.element(Snippet::source(&self.text).path(&self.file).annotation(place));
+        }
+        match &finding.hint {
+            Some(hint) => group.element(Level::HELP.message(hint)),
+            None => group,
+        }
+    }
+
+    fn byte_range(&self, span: Span) -> Range<usize> {
+        floor_char_boundary(&self.text, span.start)..floor_char_boundary(&self.text, span.end)
+    }
+
+    /// The findings for `--json`: a list of code, severity, line, column, message and hint.
+    pub fn to_json(&self) -> Value {
+        self.findings.iter().map(|finding| self.finding_to_json(finding)).collect()
+    }
+
+    fn finding_to_json(&self, finding: &Diagnostic) -> Value {
+        let place = finding.span.map(|span| self.line_and_column(span.start));
+        json!({
+            "code": finding.code.as_str(),
+            "severity": finding.code.severity().as_str(),
+            "file": self.file,
+            "line": place.map(|place| place.0),
+            "column": place.map(|place| place.1),
+            "message": finding.message,
+            "hint": finding.hint,
+        })
+    }
+}
+
+fn floor_char_boundary(text: &str, byte: usize) -> usize {
+    (0..=byte.min(text.len())).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0)
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.render(false))
+    }
+}
+
+impl std::error::Error for Report {}
+
+/// "did you mean" for a mistyped name, or else the list of what is known.
+pub(crate) fn suggestion<'a>(name: &str, known: &[&'a str]) -> Option<String> {
+    if let Some(near) = nearest(name, known.iter().copied()) {
+        return Some(format!("did you mean \"{near}\"?"));
+    }
+    (!known.is_empty()).then(|| format!("known here: {}", known.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report(text: &str, span: Span) -> Report {
+        let finding = Diagnostic::at(Code::UnknownKey, span, "no such key").hint("look it up");
+        Report::new("a.json", text, vec![finding])
+    }
+
+    #[test]
+    fn places_count_characters_from_one() {
+        let report = report("{\n \"µ\": 1\n}", Span { start: 8, end: 9 });
+        assert_eq!(report.line_and_column(8), (2, 6));
+        assert_eq!(report.line_and_column(0), (1, 1));
+        assert_eq!(report.line_and_column(999), (3, 2));
+    }
+
+    #[test]
+    fn a_span_inside_a_letter_does_not_panic() {
+        let text = "{\"µµ\": 1}";
+        for start in 0..12 {
+            report(text, Span { start, end: start + 1 }).render(false);
+        }
+    }
+
+    #[test]
+    fn a_report_shows_line_message_and_hint() {
+        let shown = report("{\n  \"kin\": 1\n}", Span { start: 4, end: 9 }).to_string();
+        for part in ["unknown-key", "no such key", "a.json:2:3", "\"kin\"", "look it up"] {
+            assert!(shown.contains(part), "{part} is missing in\n{shown}");
+        }
+    }
+
+    #[test]
+    fn a_near_name_is_offered_or_else_all() {
+        assert_eq!(suggestion("sumer", &["summer", "pot"]).unwrap(), "did you mean \"summer\"?");
+        assert_eq!(suggestion("relay", &["summer", "pot"]).unwrap(), "known here: summer, pot");
+    }
+}

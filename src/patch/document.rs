@@ -1,0 +1,339 @@
+//! The patch: the document as a person wrote it, read but not yet judged.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+
+use indexmap::IndexMap;
+use serde_json::Value;
+
+use super::code::Code;
+use super::decode;
+use super::diagnostic::{Diagnostic, Report, Span};
+use super::formula::Formula;
+use super::tree;
+use super::units::Unit;
+use crate::elements::Kind;
+
+/// The version of the format that this program reads and writes.
+pub const FORMAT_VERSION: u64 = 1;
+
+/// Something read from the document, with its place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed<T> {
+    /// What was read.
+    pub value: T,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// A physical quantity that a patch can be varied by.
+#[derive(Debug, Clone)]
+pub struct Parameter {
+    /// Value in the unit declared.
+    pub value: f64,
+    /// Unit of value and range.
+    pub unit: Unit,
+    /// Least and largest value that the patch is made for.
+    pub range: Option<(f64, f64)>,
+    /// What it is.
+    pub description: String,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// What one volt stands for.
+#[derive(Debug, Clone)]
+pub struct Scale {
+    /// Value of one volt; a plain number stands in `unit`. `None` where it could not be read.
+    pub per_volt: Option<Placed<Formula>>,
+    /// Unit of the quantity.
+    pub unit: Unit,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// The value of a setting.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Amount {
+    /// A number or a formula.
+    Formula(Formula),
+    /// true or false.
+    Flag(bool),
+    /// The index of the word chosen.
+    Choice(usize),
+    /// Points in time.
+    Points(Vec<[f64; 2]>),
+}
+
+/// A cord from an output to an input of an element.
+#[derive(Debug, Clone)]
+pub struct Plug {
+    /// Name of the jack as written ("x10", "in", "bias_plus").
+    pub jack: Placed<String>,
+    /// Name of the element, drive or reference that drives it.
+    pub from: Placed<String>,
+}
+
+/// An element or a drive.
+#[derive(Debug, Clone)]
+pub struct Entry {
+    /// Its kind.
+    pub kind: &'static Kind,
+    /// Its cords, in the order of the document.
+    pub plugs: Vec<Plug>,
+    /// Jacks that stand there with an empty list, and where.
+    pub empty_jacks: Vec<Placed<String>>,
+    /// Its settings, in the order of the kind's; `None` where the patch says nothing.
+    pub settings: Vec<Option<Placed<Amount>>>,
+    /// Settings that stand there and could not be read: reported, and not to be reported again.
+    pub unreadable: Vec<usize>,
+    /// Names of the machine's parts that it lists, by key of the part.
+    pub uses: Vec<(Placed<String>, Vec<Placed<String>>)>,
+    /// The scale of a drive.
+    pub scale: Option<Placed<String>>,
+    /// Free text.
+    pub note: String,
+    /// Where its name stands.
+    pub span: Span,
+}
+
+/// A quantity that can be recorded.
+#[derive(Debug, Clone)]
+pub struct Signal {
+    /// The element or drive at whose output it is read.
+    pub at: Placed<String>,
+    /// Its scale; without one it is read in volts.
+    pub scale: Option<Placed<String>>,
+    /// What the scaled voltage is multiplied by.
+    pub factor: f64,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// How long and how finely to run, in problem seconds.
+#[derive(Debug, Clone, Default)]
+pub struct RunPlan {
+    /// Length of the run.
+    pub duration: Option<Placed<f64>>,
+    /// Step of the solver.
+    pub step: Option<Placed<f64>>,
+    /// Time between recorded samples; the step where absent.
+    pub every: Option<Placed<f64>>,
+    /// How many times to run from initial condition (repetitive operation).
+    pub repeat: Option<Placed<f64>>,
+    /// Whether the machine goes into hold when a lamp lights.
+    pub hold_on_overload: bool,
+}
+
+/// A scope picture asked for by the patch.
+#[derive(Debug, Clone)]
+pub struct PictureSpec {
+    /// Title above it.
+    pub title: String,
+    /// Signal along the horizontal axis; "t" is time.
+    pub x: Placed<String>,
+    /// Signals along the vertical axis.
+    pub y: Vec<Placed<String>>,
+}
+
+/// A patch as it was written.
+#[derive(Debug, Clone)]
+pub struct Patch {
+    file: String,
+    text: String,
+    value: Value,
+    pub(super) findings: Vec<Diagnostic>,
+    /// Title of the patch.
+    pub title: String,
+    /// Where it comes from.
+    pub source: String,
+    /// The machine it is made for.
+    pub machine: Option<Placed<String>>,
+    /// Machine seconds per problem second.
+    pub time_scale: f64,
+    /// Parameters by name.
+    pub parameters: IndexMap<String, Parameter>,
+    /// Scales by name.
+    pub scales: IndexMap<String, Scale>,
+    /// Drives by name.
+    pub drives: IndexMap<String, Entry>,
+    /// Elements by name.
+    pub elements: IndexMap<String, Entry>,
+    /// Signals by name.
+    pub signals: IndexMap<String, Signal>,
+    /// How to run.
+    pub run: RunPlan,
+    /// What to record.
+    pub record: Vec<Placed<String>>,
+    /// What to draw.
+    pub pictures: Vec<PictureSpec>,
+}
+
+/// Why a patch file could not be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum PatchError {
+    /// The file system refused.
+    #[error("cannot {verb} {file}: {source}")]
+    File {
+        /// What was tried.
+        verb: &'static str,
+        /// The file.
+        file: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The text is not a JSON object.
+    #[error(transparent)]
+    Text(#[from] Box<Report>),
+}
+
+impl Patch {
+    /// Reads a patch from a file.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or is not a JSON object. What is wrong inside the object is found by
+    /// [`Circuit::new`](crate::circuit::Circuit::new), all of it at once.
+    pub fn read(path: &Path) -> Result<Patch, PatchError> {
+        let file = path.display().to_string();
+        let bytes =
+            fs::read(path).map_err(|source| PatchError::File { verb: "read", file: file.clone(), source })?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let at = error.utf8_error().valid_up_to();
+            let readable = String::from_utf8_lossy(error.as_bytes()).into_owned();
+            let finding =
+                Diagnostic::at(Code::Syntax, Span { start: at, end: at }, "the file is not UTF-8 text");
+            Box::new(Report::new(&file, &readable, vec![finding]))
+        })?;
+        Ok(Patch::parse(&file, &text)?)
+    }
+
+    /// Reads a patch from a text; `file` is the name that reports give it.
+    ///
+    /// # Errors
+    /// When the text is not a JSON object.
+    pub fn parse(file: &str, text: &str) -> Result<Patch, Box<Report>> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let fail = |finding| Box::new(Report::new(file, text, vec![finding]));
+        let root = tree::parse(text).map_err(fail)?;
+        let value = serde_json::from_str(text)
+            .map_err(|error| fail(Diagnostic::at(Code::Syntax, root.span, format!("not JSON: {error}"))))?;
+        let mut patch = Patch::empty(file, text, value);
+        decode::document(&root, &mut patch).map_err(fail)?;
+        Ok(patch)
+    }
+
+    /// Makes a patch from a JSON value; its text is the value printed.
+    ///
+    /// # Errors
+    /// When the value is not an object.
+    pub fn from_value(file: &str, value: &Value) -> Result<Patch, Box<Report>> {
+        Patch::parse(file, &format!("{value:#}\n"))
+    }
+
+    fn empty(file: &str, text: &str, value: Value) -> Patch {
+        Patch {
+            file: file.to_owned(),
+            text: text.to_owned(),
+            value,
+            findings: Vec::new(),
+            title: String::new(),
+            source: String::new(),
+            machine: None,
+            time_scale: 1.0,
+            parameters: IndexMap::new(),
+            scales: IndexMap::new(),
+            drives: IndexMap::new(),
+            elements: IndexMap::new(),
+            signals: IndexMap::new(),
+            run: RunPlan::default(),
+            record: Vec::new(),
+            pictures: Vec::new(),
+        }
+    }
+
+    /// What was found wrong while reading.
+    pub(crate) fn findings(&self) -> &[Diagnostic] {
+        &self.findings
+    }
+
+    /// The file's name, as the reader wrote it.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// The text as it was written, or as [`Patch::from_value`] printed it.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The document as a JSON value: key order and the text of numbers as written. To change a patch,
+    /// change a copy of this and make a new patch of it.
+    pub fn value(&self) -> &Value {
+        &self.value
+    }
+
+    /// Writes the text to a file: beside it first, then renamed.
+    ///
+    /// # Errors
+    /// When the file system refuses; the file is then as it was.
+    pub fn write(&self, path: &Path) -> Result<(), PatchError> {
+        write_whole(path, self.text.as_bytes()).map_err(|source| PatchError::File {
+            verb: "write",
+            file: path.display().to_string(),
+            source,
+        })
+    }
+}
+
+/// Writes a file so that it is never seen half written.
+///
+/// # Errors
+/// When the file system refuses; a file that was there is then as it was.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let mut beside = tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))?;
+    beside.write_all(bytes)?;
+    beside.as_file().sync_all()?;
+    open_to_others(beside.as_file())?;
+    beside.persist(path)?;
+    Ok(())
+}
+
+/// Gives the new file the rights that an ordinary file has; a temporary file is its owner's alone.
+#[cfg(unix)]
+fn open_to_others(file: &fs::File) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt as _;
+    file.set_permissions(fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn open_to_others(_: &fs::File) -> std::io::Result<()> {
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_key_order_survive_the_value() {
+        let text = r#"{"patchcord": 1, "z": 1.50, "a": 45e6, "m": 0.1000000000000000055}"#;
+        let patch = Patch::parse("p.json", text).unwrap();
+        assert_eq!(
+            patch.value().to_string(),
+            r#"{"patchcord":1,"z":1.50,"a":45e6,"m":0.1000000000000000055}"#
+        );
+        let again = Patch::from_value("p.json", patch.value()).unwrap();
+        assert_eq!(again.value(), patch.value());
+    }
+
+    #[test]
+    fn a_failed_write_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("there");
+        fs::create_dir(&path).unwrap();
+        assert!(write_whole(&path, b"x").is_err());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,28 @@
+//! The patch: a document, the formulas in it, and what can be said about it with its places.
+
+mod builder;
+mod code;
+mod decode;
+mod diagnostic;
+mod document;
+mod formula;
+mod function;
+mod schema;
+mod tree;
+mod units;
+
+pub use builder::{ElementBuilder, PatchBuilder};
+pub use code::Code;
+pub use diagnostic::{Diagnostic, Report, Severity, Span};
+pub use document::{
+    Amount, Entry, FORMAT_VERSION, Parameter, Patch, PatchError, PictureSpec, Placed, Plug, RunPlan, Scale,
+    Signal, write_whole,
+};
+pub use formula::{
+    Callee, Expression, Formula, FormulaError, Measure as FormulaMeasure, Node, Operator, Scope,
+};
+pub use function::Function;
+pub use schema::json_schema;
+pub use units::{Dimension, Unit, UnitError, engineering};
+
+pub(crate) use diagnostic::suggestion;

@@ -1,0 +1,228 @@
+//! The JSON Schema of patch documents, made from the table of elements.
+
+use serde_json::{Map, Value, json};
+
+use super::document::FORMAT_VERSION;
+use crate::elements::{Default, Family, Input, Jacks, Kind, Measure, REGISTRY, Setting};
+use crate::machines::{self, Part};
+
+/// The schema (draft 2020-12) that editors can check and complete patches with.
+pub fn json_schema() -> Value {
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "patchcord patch",
+        "description": "A patch for the virtual analogue computer patchcord",
+        "type": "object",
+        "required": ["patchcord"],
+        "additionalProperties": false,
+        "properties": {
+            "$schema": text("where this schema stands"),
+            "patchcord": {"const": FORMAT_VERSION, "description": "version of the format"},
+            "title": text("what the patch is"),
+            "source": text("where it comes from"),
+            "note": text("anything else"),
+            "machine": {"enum": machine_names(), "description": "the machine it is made for"},
+            "time_scale": {"type": "number", "exclusiveMinimum": 0, "description": "machine seconds per problem second"},
+            "parameters": named(parameter()),
+            "scales": named(scale()),
+            "drives": named(one_of(Family::Drive)),
+            "elements": named(one_of(Family::Computing)),
+            "signals": named(signal()),
+            "run": run(),
+            "record": names("signals, drives or elements to record"),
+            "pictures": {"type": "array", "items": picture()},
+        },
+        "$defs": {"formula": formula(), "cords": cords()},
+    })
+}
+
+fn machine_names() -> Vec<&'static str> {
+    machines::ALL.iter().map(|machine| machine.name).collect()
+}
+
+fn text(description: &str) -> Value {
+    json!({"type": "string", "description": description})
+}
+
+fn names(description: &str) -> Value {
+    json!({"type": "array", "items": {"type": "string"}, "description": description})
+}
+
+fn named(value: Value) -> Value {
+    json!({"type": "object", "additionalProperties": value})
+}
+
+fn object(required: &[&str], properties: Value) -> Value {
+    json!({"type": "object", "required": required, "additionalProperties": false, "properties": properties})
+}
+
+fn formula() -> Value {
+    json!({"type": ["number", "string"], "description": "a number, or a formula of parameters and scales"})
+}
+
+fn cords() -> Value {
+    json!({
+        "description": "the outputs plugged in: names of elements, drives, +100, -100 or ground",
+        "oneOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}],
+    })
+}
+
+fn parameter() -> Value {
+    object(
+        &["value", "unit"],
+        json!({
+            "value": {"type": "number"},
+            "unit": text("unit of value and range, such as N s/m"),
+            "range": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
+            "description": text("what it is"),
+            "note": text("anything else"),
+        }),
+    )
+}
+
+fn scale() -> Value {
+    object(
+        &["per_volt", "unit"],
+        json!({
+            "per_volt": {"$ref": "#/$defs/formula"},
+            "unit": text("unit of the quantity"),
+            "description": text("what it scales"),
+            "note": text("anything else"),
+        }),
+    )
+}
+
+fn signal() -> Value {
+    object(
+        &["at"],
+        json!({
+            "at": text("the element at whose output it is read"),
+            "scale": text("its scale; volts without one"),
+            "factor": {"type": "number", "description": "what the scaled voltage is multiplied by"},
+            "description": text("what it is"),
+            "note": text("anything else"),
+        }),
+    )
+}
+
+fn run() -> Value {
+    let time = json!({"type": "number", "exclusiveMinimum": 0, "description": "problem seconds"});
+    object(
+        &[],
+        json!({
+            "for": time,
+            "step": time,
+            "every": time,
+            "repeat": {"type": "integer", "minimum": 1, "description": "runs from initial condition"},
+            "hold_on_overload": {"type": "boolean"},
+            "note": text("anything else"),
+        }),
+    )
+}
+
+fn picture() -> Value {
+    object(
+        &["y"],
+        json!({
+            "title": text("title above the picture"),
+            "x": text("signal along the horizontal axis; t is time"),
+            "y": {"$ref": "#/$defs/cords"},
+            "note": text("anything else"),
+        }),
+    )
+}
+
+fn one_of(family: Family) -> Value {
+    let kinds: Vec<_> =
+        REGISTRY.iter().filter(|kind| kind.family == family).map(|kind| entry(kind)).collect();
+    json!({"oneOf": kinds})
+}
+
+fn entry(kind: &Kind) -> Value {
+    let mut properties = Map::new();
+    properties.insert("kind".into(), json!({"const": kind.name, "description": kind.summary}));
+    let mut required = vec!["kind"];
+    inputs(kind, &mut properties, &mut required);
+    for setting in kind.settings {
+        insert_setting(setting, &mut properties);
+        if setting.default == Default::Required {
+            required.push(setting.name);
+        }
+    }
+    if kind.family == Family::Drive {
+        properties.insert("scale".into(), text("the scale of what it gives"));
+        required.push("scale");
+    } else {
+        properties.insert("uses".into(), uses(kind));
+    }
+    properties.insert("note".into(), text("anything else"));
+    object(&required, Value::Object(properties))
+}
+
+fn inputs(kind: &Kind, properties: &mut Map<String, Value>, required: &mut Vec<&'static str>) {
+    let Some(main) = kind.inputs.first() else { return };
+    if main.jacks == Jacks::Gains {
+        properties.insert("in".into(), jacks(kind.inputs));
+        required.push("in");
+        return;
+    }
+    for input in kind.inputs {
+        properties
+            .insert(input.name.into(), json!({"$ref": "#/$defs/cords", "description": input.description}));
+        required.push(input.name);
+    }
+}
+
+fn jacks(inputs: &[Input]) -> Value {
+    let (mut patterns, mut properties) = (Map::new(), Map::new());
+    for input in inputs {
+        let cords = json!({"$ref": "#/$defs/cords", "description": input.description});
+        match input.jacks {
+            Jacks::Gains => patterns.insert(format!("^{}[0-9.]+$", input.name), cords),
+            _ => properties.insert(input.name.to_owned(), cords),
+        };
+    }
+    json!({
+        "type": "object",
+        "minProperties": 1,
+        "additionalProperties": false,
+        "patternProperties": patterns,
+        "properties": properties,
+    })
+}
+
+fn insert_setting(setting: &Setting, properties: &mut Map<String, Value>) {
+    match setting.name.split_once('.') {
+        None => {
+            properties.insert(setting.name.into(), value(setting));
+        }
+        Some((group, key)) => {
+            let empty = json!({"type": "object", "additionalProperties": false, "properties": {}});
+            let group = properties.entry(group).or_insert(empty);
+            group["properties"][key] = value(setting);
+        }
+    }
+}
+
+fn value(setting: &Setting) -> Value {
+    let description = format!("{} [{}]", setting.description, setting.unit());
+    match setting.measure {
+        Measure::Flag => json!({"type": "boolean", "description": description}),
+        Measure::Choice(words) => json!({"enum": words, "description": description}),
+        Measure::Points => json!({
+            "type": "array",
+            "minItems": 1,
+            "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
+            "description": description,
+        }),
+        _ => json!({"$ref": "#/$defs/formula", "description": description}),
+    }
+}
+
+fn uses(kind: &Kind) -> Value {
+    let mut properties = Map::new();
+    for part in Part::ALL.iter().filter(|part| kind.parts.iter().any(|takes| takes.part == **part)) {
+        properties.insert(part.key().to_owned(), names("which of the machine's parts it is made of"));
+    }
+    json!({"type": "object", "additionalProperties": false, "properties": properties})
+}

@@ -1,0 +1,146 @@
+//! The document's text as a tree in which everything knows its place.
+
+use jsonc_parser::{CollectOptions, ParseOptions, ast, common::Range, parse_to_ast};
+
+use super::code::Code;
+use super::diagnostic::{Diagnostic, Span};
+
+/// A JSON value and where it stands.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Node {
+    pub span: Span,
+    pub value: Content,
+}
+
+/// What a JSON value is. Numbers keep their text.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Content {
+    Null,
+    Flag(bool),
+    Number(String),
+    Text(String),
+    List(Vec<Node>),
+    Object(Vec<Entry>),
+}
+
+/// One key of an object with its value.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Entry {
+    pub key: String,
+    pub key_span: Span,
+    pub value: Node,
+}
+
+impl Content {
+    /// What the value is called in a message.
+    pub fn noun(&self) -> &'static str {
+        match self {
+            Content::Null => "null",
+            Content::Flag(_) => "true or false",
+            Content::Number(_) => "a number",
+            Content::Text(_) => "a text",
+            Content::List(_) => "a list",
+            Content::Object(_) => "an object",
+        }
+    }
+}
+
+/// Reads strict JSON.
+pub(crate) fn parse(text: &str) -> Result<Node, Diagnostic> {
+    let parsed = parse_to_ast(text, &CollectOptions::default(), &strict()).map_err(|error| {
+        let at = span(error.range());
+        Diagnostic::at(Code::Syntax, at, format!("not JSON: {}", error.kind()))
+            .maybe_hint(syntax_hint(&text[at.start.min(text.len())..]))
+    })?;
+    match parsed.value {
+        Some(value) => Ok(node(value)),
+        None => Err(Diagnostic::at(Code::Syntax, Span::default(), "the document is empty")),
+    }
+}
+
+fn strict() -> ParseOptions {
+    ParseOptions {
+        allow_comments: false,
+        allow_loose_object_property_names: false,
+        allow_trailing_commas: false,
+        allow_missing_commas: false,
+        allow_single_quoted_strings: false,
+        allow_hexadecimal_numbers: false,
+        allow_unary_plus_numbers: false,
+        allow_bare_decimal_point_numbers: false,
+        allow_non_finite_numbers: false,
+        allow_extended_string_escapes: false,
+    }
+}
+
+fn syntax_hint(rest: &str) -> Option<String> {
+    let word: String = rest.chars().take_while(|c| c.is_alphanumeric() || "-+".contains(*c)).collect();
+    let known = ["nan", "infinity", "-infinity", "inf", "-inf", "+inf"];
+    if known.contains(&word.to_lowercase().as_str()) {
+        return Some("every number of a patch must be finite".into());
+    }
+    rest.starts_with('/').then(|| "JSON has no comments: use a \"note\"".into())
+}
+
+fn span(range: Range) -> Span {
+    Span { start: range.start, end: range.end }
+}
+
+fn node(value: ast::Value<'_>) -> Node {
+    match value {
+        ast::Value::StringLit(text) => {
+            Node { span: span(text.range), value: Content::Text(text.value.into_owned()) }
+        }
+        ast::Value::NumberLit(number) => {
+            Node { span: span(number.range), value: Content::Number(number.value.to_owned()) }
+        }
+        ast::Value::BooleanLit(flag) => Node { span: span(flag.range), value: Content::Flag(flag.value) },
+        ast::Value::NullKeyword(null) => Node { span: span(null.range), value: Content::Null },
+        ast::Value::Array(list) => Node {
+            span: span(list.range),
+            value: Content::List(list.elements.into_iter().map(node).collect()),
+        },
+        ast::Value::Object(object) => Node {
+            span: span(object.range),
+            value: Content::Object(object.properties.into_iter().map(entry).collect()),
+        },
+    }
+}
+
+fn entry(property: ast::ObjectProp<'_>) -> Entry {
+    let key_span = match &property.name {
+        ast::ObjectPropName::String(text) => span(text.range),
+        ast::ObjectPropName::Word(word) => span(word.range),
+    };
+    Entry { key: property.name.into_string(), key_span, value: node(property.value) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_their_text() {
+        let parsed = parse("[1.50, 45e6]").unwrap();
+        let Content::List(items) = parsed.value else { panic!("a list") };
+        assert_eq!(items[0].value, Content::Number("1.50".into()));
+        assert_eq!(items[1].value, Content::Number("45e6".into()));
+    }
+
+    #[test]
+    fn json_only() {
+        for text in ["", "{", "{a: 1}", "{\"a\": 1,}", "[NaN]", "[0x1]", "[+1]", "[.5]", "// c\n1", "['a']"] {
+            assert_eq!(parse(text).unwrap_err().code, Code::Syntax, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_nan_is_told_that_numbers_are_finite() {
+        assert!(parse("{\"a\": NaN}").unwrap_err().hint.unwrap().contains("finite"));
+    }
+
+    #[test]
+    fn deep_nesting_is_an_error_not_a_crash() {
+        assert_eq!(parse(&"[".repeat(100_000)).unwrap_err().code, Code::Syntax);
+    }
+}

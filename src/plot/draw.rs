@@ -1,0 +1,23 @@
+use super::font::Font;
+use super::layout::Frame;
+use super::surface::Surface;
+use super::{Picture, PlotError, graticule, header, palette, scales, trace};
+
+/// Draws one picture into the upper left corner of a surface.
+pub(super) fn picture(
+    picture: &Picture,
+    frame: &Frame,
+    font: &Font,
+    surface: &mut dyn Surface,
+) -> Result<(), PlotError> {
+    surface.rectangle((0.0, 0.0), (frame.width, frame.height), palette::PAGE)?;
+    let top = header::draw(picture, frame, font, surface)?;
+    let screen = frame.screen(top);
+    graticule::draw(picture, screen, surface)?;
+    for (index, channel) in picture.channels.iter().enumerate() {
+        let lines = trace::lines(picture, channel, screen, frame.unit);
+        trace::draw(&lines, palette::trace(index), surface)?;
+    }
+    graticule::border(screen, surface)?;
+    scales::draw(picture, frame, screen, font, surface)
+}

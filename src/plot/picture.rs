@@ -1,0 +1,47 @@
+use super::Axis;
+
+/// One scope picture: what is on the screen, as data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// The heading; may be empty.
+    pub title: String,
+    /// The axis along the foot of the screen.
+    pub horizontal: Axis,
+    /// The axis at the left, on which channels are read unless they say otherwise.
+    pub vertical: Axis,
+    /// The axis at the right, for channels whose unit or range differs.
+    pub vertical_right: Option<Axis>,
+    /// The traces, in the order in which they are drawn and coloured.
+    pub channels: Vec<Channel>,
+    /// One line under the title, such as the settings of the run.
+    pub note: Option<String>,
+}
+
+/// One trace on the screen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// What the legend calls the trace.
+    pub name: String,
+    /// The points in the units of the axes; a point that is not finite lifts the pen.
+    pub points: Vec<(f64, f64)>,
+    /// Whether the trace is read on [`Picture::vertical_right`]; without that
+    /// axis it is read on [`Picture::vertical`].
+    pub right: bool,
+    /// Indices of points at which the pen is lifted and a new line starts.
+    pub breaks: Vec<usize>,
+}
+
+impl Picture {
+    /// The vertical axis on which a channel is read.
+    pub(super) fn axis_of(&self, channel: &Channel) -> &Axis {
+        match &self.vertical_right {
+            Some(right) if channel.right => right,
+            _ => &self.vertical,
+        }
+    }
+
+    /// Every axis of the picture.
+    pub(super) fn axes(&self) -> impl Iterator<Item = &Axis> {
+        [&self.horizontal, &self.vertical].into_iter().chain(&self.vertical_right)
+    }
+}

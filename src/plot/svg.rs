@@ -1,0 +1,105 @@
+use std::fmt::Write as _;
+
+use plotters::backend::{DrawingBackend as _, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color as _, FontDesc, FontFamily, FontStyle, RGBColor};
+
+use super::layout::Frame;
+use super::surface::{Align, Lettering, Surface, drawing_error, whole_point, whole_points};
+use super::{Picture, PlotError, Size, draw, font::Font};
+
+/// Positions are whole numbers of tenths of a pixel.
+const FINENESS: u32 = 10;
+
+const FAMILY: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
+
+/// The library divides font sizes by this to get the em size.
+const LIBRARY_FONT_FACTOR: f64 = 1.24;
+
+/// The library puts the baseline of top-aligned text this many ems down.
+const LIBRARY_ASCENT: f64 = 0.76;
+
+/// The pictures one below the other as the bytes of an SVG file.
+pub(super) fn sheet(
+    pictures: &[Picture],
+    size: Size,
+    frame: &Frame,
+    font: &Font,
+) -> Result<Vec<u8>, PlotError> {
+    let mut text = String::new();
+    open_sheet(&mut text, size, pictures.len()).map_err(drawing_error)?;
+    for (index, picture) in pictures.iter().enumerate() {
+        let top = index * (size.height * FINENESS) as usize;
+        writeln!(text, r#"<g transform="translate(0 {top})">"#).map_err(drawing_error)?;
+        text.push_str(&one_picture(picture, size, frame, font)?);
+        text.push_str("</g>\n");
+    }
+    text.push_str("</svg>\n");
+    Ok(text.into_bytes())
+}
+
+/// Round joins keep the corners of noisy traces from growing spikes.
+fn open_sheet(text: &mut String, size: Size, pictures: usize) -> std::fmt::Result {
+    let (width, height) = (size.width as usize, size.height as usize * pictures);
+    let fineness = FINENESS as usize;
+    writeln!(text, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
+    writeln!(
+        text,
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {} {}" stroke-linejoin="round" stroke-linecap="round">"#,
+        width * fineness,
+        height * fineness
+    )
+}
+
+fn one_picture(picture: &Picture, size: Size, frame: &Frame, font: &Font) -> Result<String, PlotError> {
+    let mut text = String::new();
+    let fine_size = (size.width * FINENESS, size.height * FINENESS);
+    let mut surface = SvgSurface {
+        backend: SVGBackend::with_string(&mut text, fine_size),
+        scale: frame.unit * f64::from(FINENESS),
+    };
+    draw::picture(picture, frame, font, &mut surface)?;
+    surface.backend.present().map_err(drawing_error)?;
+    drop(surface);
+    Ok(text)
+}
+
+struct SvgSurface<'a> {
+    backend: SVGBackend<'a>,
+    scale: f64,
+}
+
+impl Surface for SvgSurface<'_> {
+    fn rectangle(&mut self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Result<(), PlotError> {
+        let (from, to) = (whole_point(from, self.scale), whole_point(to, self.scale));
+        self.backend.draw_rect(from, to, &colour, true).map_err(drawing_error)
+    }
+
+    fn line(&mut self, points: &[(f64, f64)], width: f64, colour: RGBColor) -> Result<(), PlotError> {
+        let width = (width * self.scale).round() as u32;
+        let points = whole_points(points, self.scale);
+        if let [dot] = points[..] {
+            self.backend.draw_circle(dot, width, &colour, true)
+        } else {
+            self.backend.draw_path(points, &colour.stroke_width(width))
+        }
+        .map_err(drawing_error)
+    }
+
+    fn text(&mut self, text: &str, at: (f64, f64), lettering: Lettering) -> Result<(), PlotError> {
+        let size = lettering.size * self.scale * LIBRARY_FONT_FACTOR;
+        let top = at.1 - lettering.size * LIBRARY_ASCENT;
+        let style = FontDesc::new(FontFamily::Name(FAMILY), size, FontStyle::Normal)
+            .color(&lettering.colour)
+            .pos(Pos::new(side(lettering.align), VPos::Top));
+        self.backend.draw_text(text, &style, whole_point((at.0, top), self.scale)).map_err(drawing_error)
+    }
+}
+
+fn side(align: Align) -> HPos {
+    match align {
+        Align::Start => HPos::Left,
+        Align::Middle => HPos::Center,
+        Align::End => HPos::Right,
+    }
+}

@@ -1,0 +1,152 @@
+use plotters::style::RGBColor;
+
+use super::clip::{Area, clipped};
+use super::surface::Surface;
+use super::thin::{drop_repeats, is_finite, is_one_way, thin};
+use super::{Channel, Picture, PlotError};
+
+/// Thickness of a trace.
+const WIDTH: f64 = 1.6;
+
+/// Thickness of the sample of a trace in the legend.
+pub(super) const SAMPLE_WIDTH: f64 = 2.4;
+
+/// Points closer than half a pixel add nothing to a trace.
+const POINTS_PER_PIXEL: f64 = 2.0;
+
+/// Positions are held this near to the screen, in picture units, so that far
+/// points do not overflow while directions stay right.
+const FAR: f64 = 1e7;
+
+/// Points this near outside the edge are still drawn: ranges are only as exact
+/// as the rounding of the data.
+const TOLERANCE: f64 = 0.25;
+
+type Line = Vec<(f64, f64)>;
+
+/// The lines of a channel on the screen, in picture units.
+pub(super) fn lines(picture: &Picture, channel: &Channel, screen: Area, unit: f64) -> Vec<Line> {
+    let onto = Projection { picture, channel, screen };
+    let fineness = unit * POINTS_PER_PIXEL;
+    let window = Area {
+        left: screen.left - TOLERANCE,
+        top: screen.top - TOLERANCE,
+        right: screen.right + TOLERANCE,
+        bottom: screen.bottom + TOLERANCE,
+    };
+    runs(channel)
+        .into_iter()
+        .map(|run| onto.thinned(run, fineness))
+        .flat_map(|run| clipped(&run, window))
+        .collect()
+}
+
+/// Draws lines in the colour of their channel.
+pub(super) fn draw(lines: &[Line], colour: RGBColor, surface: &mut dyn Surface) -> Result<(), PlotError> {
+    lines.iter().try_for_each(|line| surface.line(line, WIDTH, colour))
+}
+
+/// The stretches of points drawn without lifting the pen.
+fn runs(channel: &Channel) -> Vec<&[(f64, f64)]> {
+    let points = channel.points.as_slice();
+    let mut starts: Vec<usize> = channel
+        .breaks
+        .iter()
+        .copied()
+        .filter(|index| *index < points.len())
+        .chain([0, points.len()])
+        .collect();
+    starts.sort_unstable();
+    starts
+        .windows(2)
+        .flat_map(|ends| points[ends[0]..ends[1]].split(|point| !is_finite(*point)))
+        .filter(|run| !run.is_empty())
+        .collect()
+}
+
+/// The way from the units of the axes to the screen.
+struct Projection<'a> {
+    picture: &'a Picture,
+    channel: &'a Channel,
+    screen: Area,
+}
+
+impl Projection<'_> {
+    fn place(&self, point: (f64, f64)) -> (f64, f64) {
+        let across = self.picture.horizontal.fraction(point.0);
+        let up = self.picture.axis_of(self.channel).fraction(point.1);
+        (
+            (self.screen.left + across * self.screen.width()).clamp(-FAR, FAR),
+            (self.screen.bottom - up * self.screen.height()).clamp(-FAR, FAR),
+        )
+    }
+
+    /// The points on the screen, without those that would not be seen.
+    fn thinned(&self, run: &[(f64, f64)], fineness: f64) -> Line {
+        let placed: Line = run.iter().map(|point| self.place(*point)).collect();
+        if is_one_way(run) {
+            let columns = (self.screen.width() * fineness) as usize;
+            thin(&placed, self.screen.left, self.screen.right, columns)
+        } else {
+            drop_repeats(&placed, (1.0 / fineness, 1.0 / fineness))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::Axis;
+
+    const SCREEN: Area = Area { left: 0.0, top: 0.0, right: 100.0, bottom: 100.0 };
+
+    fn drawn(points: Vec<(f64, f64)>, breaks: Vec<usize>) -> Vec<Line> {
+        let axis = || Axis::fit("x", "", [0.0, 10.0].into_iter(), 10);
+        let picture = Picture {
+            title: String::new(),
+            horizontal: axis(),
+            vertical: axis(),
+            vertical_right: None,
+            channels: vec![Channel { name: String::new(), points, right: false, breaks }],
+            note: None,
+        };
+        lines(&picture, &picture.channels[0], SCREEN, 1.0)
+    }
+
+    #[test]
+    fn points_land_where_the_axes_say() {
+        let lines = drawn(vec![(0.0, 0.0), (5.0, 10.0), (10.0, 5.0)], vec![]);
+        assert_eq!(lines, [[(0.0, 100.0), (50.0, 0.0), (100.0, 50.0)]]);
+    }
+
+    #[test]
+    fn breaks_and_gaps_lift_the_pen() {
+        let points: Vec<(f64, f64)> = (0..10).map(|n| (f64::from(n), 5.0)).collect();
+        assert_eq!(drawn(points.clone(), vec![3, 0, 7, 99, 3]).len(), 3);
+        let mut gaps = points;
+        gaps[4].1 = f64::NAN;
+        gaps[8].0 = f64::INFINITY;
+        let lengths: Vec<usize> = drawn(gaps, vec![]).iter().map(Vec::len).collect();
+        assert_eq!(lengths, [4, 3, 1]);
+    }
+
+    #[test]
+    fn a_trace_along_the_edge_is_drawn() {
+        assert_eq!(drawn(vec![(0.0, 10.000001), (10.0, 10.000001)], vec![]).len(), 1);
+    }
+
+    #[test]
+    fn far_points_keep_the_direction() {
+        let lines = drawn(vec![(5.0, 5.0), (5.0, f64::MAX)], vec![]);
+        assert_eq!(lines, [[(50.0, 50.0), (50.0, -TOLERANCE)]]);
+    }
+
+    #[test]
+    fn spikes_of_long_records_are_drawn() {
+        let mut points: Vec<(f64, f64)> = (0..200_000).map(|n| (f64::from(n) * 5e-5, 1.0)).collect();
+        points[123_456].1 = 9.0;
+        let lines = drawn(points, vec![]);
+        assert!(lines[0].len() < 1000);
+        assert!(lines[0].iter().any(|at| (at.1 - 10.0).abs() < 1e-9));
+    }
+}

@@ -1,0 +1,124 @@
+//! The interpreter: the reference that every other backend is held against.
+
+use super::loops::{LoopFault, solve_tear, tear_slope};
+use super::number::{Dual, Number};
+use super::op::{Op, Sources};
+use super::piece::Piece;
+use super::{Coefficient, Program};
+
+/// Room for what an evaluation needs besides registers, so that none is made in a step.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    pub pieces: Vec<Piece>,
+    /// The first loop that could not be solved.
+    pub fault: Option<LoopFault>,
+}
+
+impl Scratch {
+    pub fn new(program: &Program) -> Self {
+        let pieces = if program.loops.is_empty() { 0 } else { program.body.len() };
+        Scratch { pieces: vec![Piece::constant(0.0); pieces], fault: None }
+    }
+}
+
+/// A number that can also open loops.
+pub(crate) trait Evaluation: Number {
+    /// The tear's value that closes a loop; sets the scratch's fault where there is not exactly one.
+    fn close(
+        program: &Program,
+        index: usize,
+        from: &Sources<'_, Self>,
+        registers: &mut [Self],
+        scratch: &mut Scratch,
+    ) -> Self;
+}
+
+impl Evaluation for f64 {
+    fn close(
+        program: &Program,
+        index: usize,
+        from: &Sources<'_, f64>,
+        registers: &mut [f64],
+        scratch: &mut Scratch,
+    ) -> f64 {
+        solve_tear(program, index, from, registers, scratch)
+    }
+}
+
+impl Evaluation for Dual {
+    // With y = F(y, rest): dy = (dF at fixed y) / (1 - dF/dy).
+    fn close(
+        program: &Program,
+        index: usize,
+        from: &Sources<'_, Dual>,
+        registers: &mut [Dual],
+        scratch: &mut Scratch,
+    ) -> Dual {
+        let values = |duals: &[Dual]| duals.iter().map(|dual| dual.value).collect::<Vec<f64>>();
+        let (parameters, coefficients, states) =
+            (values(from.parameters), values(from.coefficients), values(from.states));
+        let plain = Sources {
+            parameters: &parameters,
+            coefficients: &coefficients,
+            states: &states,
+            modes: from.modes,
+            time: from.time.value,
+            tables: from.tables,
+            delayed: from.delayed,
+        };
+        let mut plain_registers = values(registers);
+        let solution = solve_tear(program, index, &plain, &plain_registers, scratch);
+        let own_slope = tear_slope(program, index, &plain, &mut plain_registers, solution, scratch);
+        let entry = &program.loops[index];
+        registers[entry.tear.index()] = Dual::constant(solution);
+        for at in entry.tear.index() + 1..=entry.result.index() {
+            registers[at] = program.body[at].apply(from, |register| registers[register.index()]);
+        }
+        Dual::new(solution, registers[entry.result.index()].slope / (1.0 - own_slope))
+    }
+}
+
+impl Program {
+    /// Works out every register of the body.
+    pub(crate) fn evaluate<N: Evaluation>(
+        &self,
+        from: &Sources<'_, N>,
+        registers: &mut [N],
+        scratch: &mut Scratch,
+    ) {
+        for (at, op) in self.body.iter().enumerate() {
+            registers[at] = match *op {
+                Op::Tear(index) => N::close(self, index as usize, from, registers, scratch),
+                op => op.apply(from, |register| registers[register.index()]),
+            };
+        }
+    }
+
+    /// Works out the coefficients from the parameters (in SI).
+    pub(crate) fn prepare<N: Number>(&self, parameters: &[N]) -> Vec<N> {
+        let from = Sources {
+            parameters,
+            coefficients: &[],
+            states: &[],
+            modes: &[],
+            time: N::constant(0.0),
+            tables: &[],
+            delayed: &[],
+        };
+        let mut registers = Vec::with_capacity(self.prologue.len());
+        for op in &self.prologue {
+            let value = op.apply(&from, |register| registers[register.index()]);
+            registers.push(value);
+        }
+        self.coefficients.iter().map(|coefficient| registers[coefficient.register.index()]).collect()
+    }
+
+    /// The first coefficient that is not a number in its range, with its value.
+    pub(crate) fn first_bad<'a>(&'a self, values: &'a [f64]) -> Option<(&'a Coefficient, f64)> {
+        let pairs = self.coefficients.iter().zip(values.iter().copied());
+        pairs.into_iter().find(|(coefficient, value)| {
+            let (low, high) = coefficient.range;
+            !value.is_finite() || *value < low || *value > high
+        })
+    }
+}

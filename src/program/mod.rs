@@ -1,0 +1,249 @@
+//! The program: a circuit flattened to primitive operations on volts, with states and modes.
+//!
+//! A *prologue*, run once a run, turns parameters into coefficients; the *body* turns coefficients,
+//! states, modes and time into every voltage and every rate. Every backend reads nothing else.
+
+mod check;
+mod evaluate;
+mod linearise;
+mod loops;
+mod lower;
+mod number;
+mod op;
+mod piece;
+
+pub use linearise::Linearisation;
+pub(crate) use linearise::OperatingPoint;
+pub use lower::Lowering;
+pub use op::{Op, Register};
+
+pub(crate) use check::tell;
+pub(crate) use evaluate::Scratch;
+pub(crate) use loops::LoopFault;
+pub(crate) use op::Sources;
+
+use crate::machines::REFERENCE;
+
+/// A circuit as operations. Made by [`Program::new`]; run by [`crate::solve::Machine`].
+#[derive(Debug, Clone, Default)]
+pub struct Program {
+    pub(crate) prologue: Vec<Op>,
+    pub(crate) parameters: Vec<ParameterSlot>,
+    pub(crate) coefficients: Vec<Coefficient>,
+    pub(crate) body: Vec<Op>,
+    pub(crate) elements: Vec<Outlet>,
+    pub(crate) states: Vec<State>,
+    pub(crate) modes: Vec<Mode>,
+    pub(crate) delays: Vec<Delay>,
+    pub(crate) tables: Vec<Vec<[f64; 2]>>,
+    pub(crate) loops: Vec<Loop>,
+    pub(crate) lamps: Vec<Lamp>,
+    pub(crate) signals: Vec<Probe>,
+    /// The elements in the order in which they are worked out.
+    pub(crate) order: Vec<usize>,
+    /// For every element, those that read it.
+    pub(crate) readers: Vec<Vec<usize>>,
+}
+
+/// A parameter of the patch as the prologue reads it.
+#[derive(Debug, Clone)]
+pub struct ParameterSlot {
+    /// Its name.
+    pub name: String,
+    /// Its value for this run, in SI.
+    pub value: f64,
+    /// What its declared unit is in SI.
+    pub per_unit: f64,
+    /// Least and largest value allowed, in the declared unit.
+    pub range: Option<(f64, f64)>,
+}
+
+/// A number that the prologue works out for the body.
+#[derive(Debug, Clone)]
+pub struct Coefficient {
+    /// Where the prologue leaves it.
+    pub(crate) register: Register,
+    /// Whose it is, for messages: "PC5 setting".
+    pub label: String,
+    /// Least and largest value allowed.
+    pub range: (f64, f64),
+}
+
+/// An element's output.
+#[derive(Debug, Clone)]
+pub struct Outlet {
+    /// Name of the element, drive or reference.
+    pub name: String,
+    /// Where the body leaves its voltage.
+    pub register: Register,
+}
+
+/// The output of an integrator.
+#[derive(Debug, Clone)]
+pub(crate) struct State {
+    pub element: usize,
+    /// d/dt in volts per problem second; 0 where a limit holds it.
+    pub rate: Register,
+    /// The same before the limit.
+    pub demand: Register,
+    /// Coefficient of the initial condition.
+    pub initial: u32,
+}
+
+/// A named discrete value, constant within a step.
+#[derive(Debug, Clone)]
+pub(crate) struct Mode {
+    pub element: usize,
+    pub initial: f64,
+    pub transitions: Vec<Transition>,
+}
+
+/// A change of a mode, with what it resets.
+#[derive(Debug, Clone)]
+pub struct Transition {
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    pub(crate) guard: Guard,
+    pub(crate) reset: Option<Reset>,
+}
+
+/// When a transition happens.
+#[derive(Debug, Clone, Copy)]
+pub struct Guard {
+    pub(crate) register: Register,
+    pub(crate) strict: bool,
+}
+
+/// A state that a transition sets anew.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reset {
+    pub state: u32,
+    pub to: Register,
+}
+
+impl Guard {
+    /// When this value is 0 or above.
+    pub fn reached(register: Register) -> Self {
+        Guard { register, strict: false }
+    }
+
+    /// When this value is above 0.
+    pub fn passed(register: Register) -> Self {
+        Guard { register, strict: true }
+    }
+
+    pub(crate) fn holds(self, registers: &[f64]) -> bool {
+        let value = registers[self.register.index()];
+        if self.strict { value > 0.0 } else { value >= 0.0 }
+    }
+}
+
+impl Transition {
+    /// A change between two values of a mode.
+    pub fn new(from: f64, to: f64, guard: Guard) -> Self {
+        Transition { from, to, guard, reset: None }
+    }
+
+    /// The same change, which also sets the element's state.
+    pub fn reset(mut self, lowering: &Lowering<'_>, to: Register) -> Self {
+        self.reset = lowering.own_state().map(|state| Reset { state, to });
+        self
+    }
+}
+
+/// A delay line.
+#[derive(Debug, Clone)]
+pub(crate) struct Delay {
+    pub element: usize,
+    pub input: Register,
+    /// Coefficient of its time, in machine seconds.
+    pub time: u32,
+    /// Coefficient of what it gives before its time.
+    pub initial: u32,
+    /// Problem seconds per machine second.
+    pub problem_seconds: f64,
+}
+
+/// A loop without an integrator: the operations from after the tear to the result.
+#[derive(Debug, Clone)]
+pub struct Loop {
+    /// The tear's own register.
+    pub(crate) tear: Register,
+    /// The register that the tear must equal.
+    pub(crate) result: Register,
+    /// Names of the members.
+    pub members: Vec<String>,
+}
+
+/// An overload lamp of an amplifier that does not integrate.
+#[derive(Debug, Clone)]
+pub(crate) struct Lamp {
+    pub element: usize,
+    /// What the amplifier is asked for.
+    pub demand: Register,
+}
+
+/// A signal that can be recorded.
+#[derive(Debug, Clone)]
+pub struct Probe {
+    /// Its name.
+    pub name: String,
+    /// Where it is read.
+    pub(crate) register: Register,
+    /// Coefficient of its value per volt, in SI; `None` for volts.
+    pub(crate) per_volt: Option<u32>,
+    /// Text of its unit.
+    pub unit: String,
+    /// What that unit is in SI.
+    pub(crate) per_unit: f64,
+}
+
+/// The demanded output, in volts, above which a lamp lights: 1e-6 above the reference.
+pub(crate) const LAMP_LEVEL: f64 = REFERENCE * (1.0 + 1e-6);
+
+impl Program {
+    /// The element of this index.
+    pub(crate) fn name(&self, element: usize) -> &str {
+        &self.elements[element].name
+    }
+
+    /// The outlets in the order in which they are worked out.
+    pub(crate) fn in_order(&self) -> impl Iterator<Item = &Outlet> {
+        self.order.iter().map(|element| &self.elements[*element])
+    }
+
+    /// Index of an element, drive or reference by name.
+    pub(crate) fn element(&self, name: &str) -> Option<usize> {
+        self.elements.iter().position(|outlet| outlet.name == name)
+    }
+
+    /// The parameters, in the order of the patch.
+    pub fn parameters(&self) -> &[ParameterSlot] {
+        &self.parameters
+    }
+
+    /// Everything with an output: references, drives, elements.
+    pub fn outlets(&self) -> &[Outlet] {
+        &self.elements
+    }
+
+    /// The signals that can be recorded.
+    pub fn signals(&self) -> &[Probe] {
+        &self.signals
+    }
+
+    /// The loops without an integrator.
+    pub fn loops(&self) -> &[Loop] {
+        &self.loops
+    }
+
+    /// Names of the states, in their order.
+    pub fn states(&self) -> Vec<&str> {
+        self.states.iter().map(|state| self.name(state.element)).collect()
+    }
+
+    /// The body's operations: what every backend runs.
+    pub fn body(&self) -> &[Op] {
+        &self.body
+    }
+}

@@ -1,0 +1,106 @@
+//! The primitive operations that every element comes down to.
+
+use crate::patch::Function;
+
+use super::number::Number;
+
+/// Where an operation leaves its result: the index of the operation in its list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Register(pub u32);
+
+impl Register {
+    /// The register as an index.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// One operation on f64 volts. Operands are registers written before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Op {
+    /// A fixed number.
+    Constant(f64),
+    /// A parameter of the patch, in SI (prologue only).
+    Parameter(u32),
+    /// A coefficient worked out by the prologue.
+    Coefficient(u32),
+    /// A state: the output of an integrator.
+    State(u32),
+    /// The present value of a mode.
+    Mode(u32),
+    /// Problem time in seconds.
+    Time,
+    /// Sum.
+    Add(Register, Register),
+    /// Difference.
+    Subtract(Register, Register),
+    /// Product.
+    Multiply(Register, Register),
+    /// Quotient.
+    Divide(Register, Register),
+    /// Lower of two.
+    Minimum(Register, Register),
+    /// Upper of two.
+    Maximum(Register, Register),
+    /// Size without sign.
+    Absolute(Register),
+    /// `then` where left >= right, else `otherwise`.
+    Select {
+        /// What is compared.
+        left: Register,
+        /// What it is compared with.
+        right: Register,
+        /// The value where left is not below right.
+        then: Register,
+        /// The value where it is.
+        otherwise: Register,
+    },
+    /// A function of one or two numbers.
+    Call(Function, Register, Register),
+    /// A table of points at this abscissa: straight lines between them, level outside.
+    Table(u32, Register),
+    /// What a delay line gives back.
+    Delayed(u32),
+    /// Start of a loop without an integrator: the output that opens it, solved here.
+    Tear(u32),
+}
+
+/// What operations read besides registers.
+pub(crate) struct Sources<'a, N> {
+    pub parameters: &'a [N],
+    pub coefficients: &'a [N],
+    pub states: &'a [N],
+    pub modes: &'a [f64],
+    pub time: N,
+    pub tables: &'a [Vec<[f64; 2]>],
+    pub delayed: &'a [f64],
+}
+
+impl Op {
+    /// The operation's value; a tear has none of its own and must be solved by the caller.
+    #[inline(always)]
+    pub(crate) fn apply<N: Number>(self, from: &Sources<'_, N>, get: impl Fn(Register) -> N) -> N {
+        match self {
+            Op::Constant(value) => N::constant(value),
+            Op::Parameter(index) => from.parameters[index as usize],
+            Op::Coefficient(index) => from.coefficients[index as usize],
+            Op::State(index) => from.states[index as usize],
+            Op::Mode(index) => N::constant(from.modes[index as usize]),
+            Op::Time => from.time,
+            Op::Add(a, b) => get(a).add(get(b)),
+            Op::Subtract(a, b) => get(a).subtract(get(b)),
+            Op::Multiply(a, b) => get(a).multiply(get(b)),
+            Op::Divide(a, b) => get(a).divide(get(b)),
+            Op::Minimum(a, b) => get(a).lower_of(get(b)),
+            Op::Maximum(a, b) => get(a).upper_of(get(b)),
+            Op::Absolute(a) => get(a).absolute(),
+            Op::Select { left, right, then, otherwise } => {
+                N::select(get(left), get(right), get(then), get(otherwise))
+            }
+            Op::Call(function, a, b) => N::call(function, get(a), get(b)),
+            Op::Table(index, at) => get(at).table(&from.tables[index as usize]),
+            Op::Delayed(index) => N::constant(from.delayed[index as usize]),
+            Op::Tear(_) => N::constant(f64::NAN),
+        }
+    }
+}

@@ -1,0 +1,422 @@
+//! The machine: a program with states, modes and a clock, in one of the modes of an analogue computer.
+
+use super::delay_line::DelayLine;
+use super::error::RunError;
+use super::grid::Grid;
+use super::overload::{self, Lit, Overload};
+use crate::machines::REFERENCE;
+use crate::program::{LAMP_LEVEL, Linearisation, LoopFault, OperatingPoint, Program, Scratch, Sources, tell};
+
+/// What the machine is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MachineMode {
+    /// Integrators stand at their initial conditions; everything else computes (also: problem check).
+    InitialCondition,
+    /// Integrators integrate.
+    Operate,
+    /// Integrators keep their outputs, time stands still; pots may be turned and voltages read.
+    Hold,
+}
+
+/// States smaller than this, in volts, are 0: processors are slow on the smallest numbers.
+const SMALLEST: f64 = 1e-100;
+
+/// A program that can be run step by step.
+///
+/// Time is problem time. The step is fixed: the classical Runge-Kutta method of order 4, shortened only to
+/// meet changes of mode (relays, brakes, stops), which are located within the step.
+#[derive(Debug)]
+pub struct Machine<'p> {
+    pub(super) program: &'p Program,
+    pub(super) time: f64,
+    pub(super) states: Vec<f64>,
+    pub(super) modes: Vec<f64>,
+    /// Every voltage of now.
+    pub(super) registers: Vec<f64>,
+    /// Rates of the four stages of a step; the first are those of now.
+    pub(super) rates: [Vec<f64>; 4],
+    pub(super) trial: Vec<f64>,
+    pub(super) trial_registers: Vec<f64>,
+    /// States that a step asks for, before the amplifiers stop them.
+    pub(super) ahead: Vec<f64>,
+    /// Where the last stretch began, for what is recorded within it.
+    pub(super) last: Stretch,
+    parameters: Vec<f64>,
+    coefficients: Vec<f64>,
+    delayed: Vec<f64>,
+    lines: Vec<DelayLine>,
+    scratch: Scratch,
+    lamps: Vec<Option<Lit>>,
+    mode: MachineMode,
+    step: f64,
+    grid: Grid,
+    /// Grid steps since the last initial condition, and where the grid began.
+    steps: u64,
+    origin: f64,
+}
+
+/// The beginning of a stretch of time gone in one piece.
+#[derive(Debug, Default)]
+pub(super) struct Stretch {
+    pub time: f64,
+    pub states: Vec<f64>,
+    pub rates: Vec<f64>,
+}
+
+impl<'p> Machine<'p> {
+    /// A machine in initial condition, with a step in problem seconds.
+    ///
+    /// # Errors
+    /// When the step is not a time above 0, a delay is shorter than the step, or a voltage in initial
+    /// condition is not a number.
+    pub fn new(program: &'p Program, step: f64) -> Result<Self, RunError> {
+        if !(step > 0.0 && step.is_finite()) {
+            return Err(RunError::Plan(format!("the step must be a time above 0, not {step} s")));
+        }
+        let parameters: Vec<f64> = program.parameters.iter().map(|slot| slot.value).collect();
+        let coefficients = program.prepare(&parameters);
+        let count = program.states.len();
+        let zeros = || vec![0.0; count];
+        let mut machine = Machine {
+            program,
+            time: 0.0,
+            states: zeros(),
+            modes: vec![0.0; program.modes.len()],
+            registers: vec![0.0; program.body.len()],
+            rates: [zeros(), zeros(), zeros(), zeros()],
+            trial: zeros(),
+            trial_registers: vec![0.0; program.body.len()],
+            ahead: zeros(),
+            last: Stretch { time: 0.0, states: zeros(), rates: zeros() },
+            delayed: vec![0.0; program.delays.len()],
+            lines: delay_lines(program, &coefficients, step),
+            scratch: Scratch::new(program),
+            lamps: vec![None; program.elements.len()],
+            mode: MachineMode::InitialCondition,
+            step,
+            grid: Grid::new(step),
+            steps: 0,
+            origin: 0.0,
+            parameters,
+            coefficients,
+        };
+        machine.check_delays()?;
+        machine.initial_condition()?;
+        Ok(machine)
+    }
+
+    /// Puts every integrator at its initial condition, time at 0, and the lamps out.
+    ///
+    /// # Errors
+    /// When a voltage is not a number, or modes do not settle.
+    pub fn initial_condition(&mut self) -> Result<(), RunError> {
+        self.mode = MachineMode::InitialCondition;
+        (self.time, self.steps, self.origin, self.last.time) = (0.0, 0, 0.0, 0.0);
+        for (value, state) in self.states.iter_mut().zip(&self.program.states) {
+            *value = self.coefficients[state.initial as usize];
+        }
+        for (value, mode) in self.modes.iter_mut().zip(&self.program.modes) {
+            *value = mode.initial;
+        }
+        self.lines.iter_mut().for_each(DelayLine::clear);
+        self.lamps.fill(None);
+        self.evaluate();
+        self.remember_delays();
+        self.settle(0)?;
+        self.check_voltages()?;
+        self.watch_amplifiers();
+        Ok(())
+    }
+
+    /// Integrates for a length of problem time.
+    ///
+    /// # Errors
+    /// When a voltage is not a number, a loop has not one solution, or a mode chatters.
+    pub fn operate(&mut self, length: f64) -> Result<(), RunError> {
+        self.operate_with(length, &mut |_| ())
+    }
+
+    /// The same, telling `after` of every stretch gone in one piece.
+    pub(super) fn operate_with(
+        &mut self,
+        length: f64,
+        after: &mut impl FnMut(&mut Self),
+    ) -> Result<(), RunError> {
+        if !(length >= 0.0 && length.is_finite()) {
+            return Err(RunError::Plan(format!("a run lasts a time of 0 s or more, not {length} s")));
+        }
+        self.mode = MachineMode::Operate;
+        let begin = self.time;
+        let whole = self.grid.steps_in(length);
+        (self.origin, self.steps) = if begin == 0.0 { (0.0, 0) } else { (begin, 0) };
+        while self.steps < whole {
+            self.one_step(after)?;
+        }
+        let end = begin + length;
+        // What is left beyond the last whole step, unless it is rounding.
+        if end - self.time > 1e-9 * self.step {
+            self.advance(end, after)?;
+        }
+        Ok(())
+    }
+
+    /// One step of the grid.
+    pub(super) fn one_step(&mut self, after: &mut impl FnMut(&mut Self)) -> Result<(), RunError> {
+        self.steps += 1;
+        let target = self.origin + self.grid.time(self.steps);
+        self.advance(target, after)
+    }
+
+    /// Keeps every integrator where it is; time stands still.
+    pub fn hold(&mut self) {
+        self.mode = MachineMode::Hold;
+    }
+
+    /// What the machine is doing.
+    pub fn mode(&self) -> MachineMode {
+        self.mode
+    }
+
+    /// Problem time since initial condition, in seconds.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The step in problem seconds.
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Turns whatever pots follow from a parameter, given in its declared unit; also while running.
+    /// In initial condition the initial conditions follow too.
+    ///
+    /// # Errors
+    /// When there is no such parameter, or a value or a setting leaves its range; nothing is changed then.
+    pub fn set(&mut self, name: &str, value: f64) -> Result<(), RunError> {
+        let Some(index) = self.program.parameters.iter().position(|slot| slot.name == name) else {
+            return Err(RunError::UnknownParameter(name.to_owned()));
+        };
+        let slot = &self.program.parameters[index];
+        let (low, high) = slot.range.unwrap_or((f64::MIN, f64::MAX));
+        if !(low <= value && value <= high) {
+            return Err(RunError::OutsideRange { what: name.to_owned(), value, low, high });
+        }
+        let mut parameters = self.parameters.clone();
+        parameters[index] = value * slot.per_unit;
+        let coefficients = self.program.prepare(&parameters);
+        if let Some((bad, value)) = self.program.first_bad(&coefficients) {
+            let (low, high) = bad.range;
+            return Err(RunError::OutsideRange { what: bad.label.clone(), value, low, high });
+        }
+        (self.parameters, self.coefficients) = (parameters, coefficients);
+        self.follow_coefficients()
+    }
+
+    fn follow_coefficients(&mut self) -> Result<(), RunError> {
+        for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
+            let (time, initial) =
+                (self.coefficients[delay.time as usize], self.coefficients[delay.initial as usize]);
+            line.set(time * delay.problem_seconds, initial);
+        }
+        self.check_delays()?;
+        if self.mode == MachineMode::InitialCondition {
+            return self.initial_condition();
+        }
+        self.evaluate();
+        self.settle(0).map(|_| ())
+    }
+
+    /// The voltage at an element's output.
+    ///
+    /// # Errors
+    /// When there is no such element, drive or reference.
+    pub fn voltage(&self, element: &str) -> Result<f64, RunError> {
+        let index = self.program.element(element);
+        let index = index.ok_or_else(|| RunError::UnknownElement(element.to_owned()))?;
+        Ok(self.registers[self.program.elements[index].register.index()])
+    }
+
+    /// The overloads since the last initial condition, in the order in which the lamps lit.
+    pub fn overloads(&self) -> Vec<Overload> {
+        overload::history(self.program, &self.lamps)
+    }
+
+    /// Whether any lamp is lit.
+    pub fn is_overloaded(&self) -> bool {
+        self.lamps.iter().any(Option::is_some)
+    }
+
+    /// The rates' exact derivatives with respect to states and parameters, here and now.
+    pub fn linearise(&self) -> Linearisation {
+        let delayed: Vec<f64> = self.lines.iter().map(|line| line.at(self.time)).collect();
+        self.program.linearise(&OperatingPoint {
+            parameters: &self.parameters,
+            states: &self.states,
+            modes: &self.modes,
+            time: self.time,
+            delayed: &delayed,
+        })
+    }
+
+    /// The states' rates, in volts per problem second, in the order of [`Program::states`].
+    pub fn rates(&self) -> &[f64] {
+        &self.rates[0]
+    }
+
+    /// The states, in volts, in the order of [`Program::states`].
+    pub fn states(&self) -> &[f64] {
+        &self.states
+    }
+
+    pub(super) fn coefficient(&self, index: u32) -> f64 {
+        self.coefficients[index as usize]
+    }
+
+    /// Works out every voltage of now, and the rates.
+    pub(super) fn evaluate(&mut self) {
+        for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
+            *delayed = line.at(self.time);
+        }
+        let from = Sources {
+            parameters: &self.parameters,
+            coefficients: &self.coefficients,
+            states: &self.states,
+            modes: &self.modes,
+            time: self.time,
+            tables: &self.program.tables,
+            delayed: &self.delayed,
+        };
+        self.program.evaluate(&from, &mut self.registers, &mut self.scratch);
+        for (rate, state) in self.rates[0].iter_mut().zip(&self.program.states) {
+            *rate = self.registers[state.rate.index()];
+        }
+    }
+
+    /// Works out every voltage for the trial states at another time.
+    pub(super) fn evaluate_trial(&mut self, time: f64) {
+        for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
+            *delayed = line.at(time);
+        }
+        let from = Sources {
+            parameters: &self.parameters,
+            coefficients: &self.coefficients,
+            states: &self.trial,
+            modes: &self.modes,
+            time,
+            tables: &self.program.tables,
+            delayed: &self.delayed,
+        };
+        self.program.evaluate(&from, &mut self.trial_registers, &mut self.scratch);
+    }
+
+    /// Looks ahead by a step of this length: states before the amplifiers stop them, voltages after.
+    pub(super) fn step_ahead(&mut self, length: f64) {
+        self.rk4(length);
+        for (trial, ahead) in self.trial.iter_mut().zip(&self.ahead) {
+            *trial = stopped(*ahead);
+        }
+        self.evaluate_trial(self.time + length);
+    }
+
+    /// Makes what was looked at the present.
+    pub(super) fn accept(&mut self, time: f64, after: &mut impl FnMut(&mut Self)) -> Result<(), RunError> {
+        self.last.time = self.time;
+        self.last.states.copy_from_slice(&self.states);
+        self.last.rates.copy_from_slice(&self.rates[0]);
+        self.time = time;
+        self.states.copy_from_slice(&self.trial);
+        std::mem::swap(&mut self.registers, &mut self.trial_registers);
+        for (rate, state) in self.rates[0].iter_mut().zip(&self.program.states) {
+            *rate = self.registers[state.rate.index()];
+        }
+        self.check_voltages()?;
+        self.watch_integrators();
+        self.watch_amplifiers();
+        self.remember_delays();
+        after(self);
+        Ok(())
+    }
+
+    pub(super) fn remember_delays(&mut self) {
+        for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
+            line.put(self.time, self.registers[delay.input.index()]);
+        }
+    }
+
+    fn check_delays(&self) -> Result<(), RunError> {
+        for (line, delay) in self.lines.iter().zip(&self.program.delays) {
+            if line.delay() < self.step * (1.0 - 1e-9) {
+                let element = self.program.name(delay.element).to_owned();
+                return Err(RunError::DelayTooShort { element, delay: line.delay(), step: self.step });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_voltages(&self) -> Result<(), RunError> {
+        if let Some(LoopFault { index, solutions }) = self.scratch.fault {
+            let members = &self.program.loops[index].members;
+            let opened = members.last().map_or("", String::as_str);
+            let solutions = tell(solutions, opened);
+            return Err(RunError::Loop { members: members.join(", "), solutions, time: self.time });
+        }
+        match self.program.in_order().find(|outlet| self.registers[outlet.register.index()].is_nan()) {
+            Some(outlet) => {
+                Err(RunError::NotANumber { element: outlet.name.clone(), time: self.time, trace: None })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Lights the lamps of amplifiers that are asked for more than they can give.
+    fn watch_amplifiers(&mut self) {
+        for lamp in &self.program.lamps {
+            let asked = self.registers[lamp.demand.index()].abs();
+            if asked > LAMP_LEVEL {
+                let before = self.trial_registers[lamp.demand.index()].abs();
+                let time = lit_at(self.last.time, before, self.time, asked);
+                light(&mut self.lamps[lamp.element], lamp.element, time, asked);
+            }
+        }
+    }
+
+    /// Lights the lamps of integrators that went past ±100 V, or stand there and are driven on.
+    fn watch_integrators(&mut self) {
+        let length = self.time - self.last.time;
+        for (index, state) in self.program.states.iter().enumerate() {
+            let driven = self.states[index] + length * self.registers[state.demand.index()];
+            let at_limit = self.states[index].abs() >= REFERENCE;
+            let asked =
+                if at_limit { self.ahead[index].abs().max(driven.abs()) } else { self.ahead[index].abs() };
+            if asked > LAMP_LEVEL {
+                let time =
+                    lit_at(self.last.time, self.last.states[index].abs(), self.time, self.ahead[index].abs());
+                light(&mut self.lamps[state.element], state.element, time, asked);
+            }
+        }
+    }
+}
+
+fn light(lamp: &mut Option<Lit>, element: usize, time: f64, asked: f64) {
+    let lit = lamp.get_or_insert(Lit { element, time, peak: asked });
+    lit.peak = lit.peak.max(asked);
+}
+
+/// When a demand passed the level on the straight line between the ends of a stretch.
+fn lit_at(begin: f64, before: f64, end: f64, after: f64) -> f64 {
+    let share = (LAMP_LEVEL - before) / (after - before);
+    if share > 0.0 && share < 1.0 { begin + share * (end - begin) } else { end }
+}
+
+/// A state as the amplifier can hold it.
+fn stopped(volts: f64) -> f64 {
+    if volts.abs() < SMALLEST { 0.0 } else { volts.clamp(-REFERENCE, REFERENCE) }
+}
+
+fn delay_lines(program: &Program, coefficients: &[f64], step: f64) -> Vec<DelayLine> {
+    let lines = program.delays.iter().map(|delay| {
+        let time = coefficients[delay.time as usize] * delay.problem_seconds;
+        DelayLine::new(time, coefficients[delay.initial as usize], step)
+    });
+    lines.collect()
+}

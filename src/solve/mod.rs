@@ -1,0 +1,15 @@
+//! Running a program: the machine with its modes, steps, located changes of mode, overloads, recording.
+
+mod delay_line;
+mod error;
+mod events;
+mod grid;
+mod machine;
+mod overload;
+mod rk4;
+mod run;
+
+pub use error::RunError;
+pub use machine::{Machine, MachineMode};
+pub use overload::Overload;
+pub use run::{RunSettings, run};

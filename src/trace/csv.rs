@@ -1,0 +1,49 @@
+//! Traces as CSV in physical units.
+
+use std::io::Write;
+
+use super::Trace;
+
+/// Why a trace could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write the table: {0}")]
+pub struct CsvError(#[from] std::io::Error);
+
+impl Trace {
+    /// Writes the trace: units in `#` comment lines, then the column `t` in seconds and a column a signal;
+    /// several sweeps are told apart by a last column `run`, from 1. Numbers read back to the same bits.
+    ///
+    /// # Errors
+    /// When the writer refuses.
+    pub fn write_csv(&self, mut to: impl Write) -> Result<(), CsvError> {
+        writeln!(to, "# t: s")?;
+        for track in &self.tracks {
+            writeln!(to, "# {}: {}", track.name, track.unit)?;
+        }
+        let mut writer = csv::Writer::from_writer(&mut to);
+        let names = self.tracks.iter().map(|track| track.name.as_str());
+        let run = (self.sweeps.len() > 1).then_some("run");
+        writer.write_record(["t"].into_iter().chain(names).chain(run)).map_err(into_io)?;
+        for sample in 0..self.len() {
+            writer.write_record(self.row(sample)).map_err(into_io)?;
+        }
+        writer.flush()?;
+        Ok(())
+    }
+
+    fn row(&self, sample: usize) -> impl Iterator<Item = String> + '_ {
+        let values = self.tracks.iter().map(move |track| number(track.volts[sample] * track.per_volt));
+        let run = (self.sweeps.len() > 1).then(|| (self.sweep_of(sample) + 1).to_string());
+        [number(self.time[sample])].into_iter().chain(values).chain(run)
+    }
+}
+
+/// The shortest text that reads back to the same number; -0 is 0.
+fn number(value: f64) -> String {
+    let text = format!("{:?}", value + 0.0);
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}
+
+fn into_io(error: csv::Error) -> std::io::Error {
+    error.into()
+}
