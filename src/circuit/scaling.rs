@@ -159,21 +159,24 @@ struct Block {
     dimension: Dimension,
 }
 
-/// A product of two parameters is taken for a block gain only when it is this near to it.
+/// A block gain this near to the wiring's agrees with it.
 const NEAR: f64 = 1e-6;
 
 impl Block {
-    /// The parameter (or its reciprocal) of this unit that is nearest to the gain; 1 for a pure number; else a
-    /// product or quotient of two that agrees.
+    /// What agrees with the gain: 1, a parameter, its reciprocal, a quotient or product of two. Else the one
+    /// of the first three that is nearest.
     fn find(circuit: &Circuit, dimension: Dimension, gain: f64) -> Option<Block> {
         let singles = Block::singles(circuit);
         let unity = Block { name: "1".to_owned(), value: 1.0, dimension: Dimension::NONE };
         let away = |block: &Block| (gain.abs() / block.value).ln().abs();
         let fits = |block: &Block| block.dimension == dimension && block.value > 0.0;
-        let pairs = Block::pairs(&singles);
+        let pair = Block::pairs(&singles).into_iter().filter(fits).find(|pair| away(pair) < NEAR);
         let nearest =
             [unity].into_iter().chain(singles).filter(fits).min_by(|a, b| away(a).total_cmp(&away(b)));
-        nearest.or_else(|| pairs.into_iter().find(|pair| fits(pair) && away(pair) < NEAR))
+        match nearest {
+            Some(nearest) if pair.is_none() || away(&nearest) < NEAR => Some(nearest),
+            _ => pair,
+        }
     }
 
     fn singles(circuit: &Circuit) -> Vec<Block> {

@@ -216,9 +216,7 @@ impl Patch {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let fail = |finding| Box::new(Report::new(file, text, vec![finding]));
         let root = tree::parse(text).map_err(fail)?;
-        let value = serde_json::from_str(text)
-            .map_err(|error| fail(Diagnostic::at(Code::Syntax, root.span, format!("not JSON: {error}"))))?;
-        let mut patch = Patch::empty(file, text, value);
+        let mut patch = Patch::empty(file, text, root.to_value());
         decode::document(&root, &mut patch).map_err(fail)?;
         Ok(patch)
     }

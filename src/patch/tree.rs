@@ -2,6 +2,8 @@
 
 use jsonc_parser::{CollectOptions, ParseOptions, ast, common::Range, parse_to_ast};
 
+use serde_json::{Number, Value};
+
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span};
 
@@ -41,6 +43,23 @@ impl Content {
             Content::Text(_) => "a text",
             Content::List(_) => "a list",
             Content::Object(_) => "an object",
+        }
+    }
+}
+
+impl Node {
+    /// The same as a JSON value: keys in their order, numbers with their text. Of a key that stands twice the
+    /// last counts, as JSON readers have it.
+    pub fn to_value(&self) -> Value {
+        match &self.value {
+            Content::Null => Value::Null,
+            Content::Flag(flag) => Value::Bool(*flag),
+            Content::Number(text) => Value::Number(Number::from_string_unchecked(text.clone())),
+            Content::Text(text) => Value::String(text.clone()),
+            Content::List(items) => items.iter().map(Node::to_value).collect(),
+            Content::Object(entries) => {
+                entries.iter().map(|entry| (entry.key.clone(), entry.value.to_value())).collect()
+            }
         }
     }
 }

@@ -25,7 +25,7 @@ const SPARE: usize = 64;
 impl DelayLine {
     /// An empty line with room for a delay at a step.
     pub fn new(delay: f64, initial: f64, step: f64) -> Self {
-        let room = (delay / step).min(1e7) as usize + SPARE;
+        let room = (2.0 * delay / step).min(1e7) as usize + SPARE;
         DelayLine { delay, initial, past: VecDeque::with_capacity(room) }
     }
 
@@ -50,7 +50,7 @@ impl DelayLine {
         }
         let jumped = last.is_some_and(|last| last.time == time);
         self.past.push_back(Sample { time, volts, jumped });
-        // Two samples before the oldest that is asked for are kept, for the cubic.
+        // Twice the delay is kept, so that the delay may be made longer while the machine runs.
         while self.past.get(3).is_some_and(|sample| sample.time <= time - 2.0 * self.delay) {
             self.past.pop_front();
         }
@@ -91,7 +91,7 @@ mod tests {
         let cubic = |t: f64| 1.0 + t - 2.0 * t * t + 0.5 * t * t * t;
         let mut line = DelayLine::new(1.0, 0.0, 0.1);
         (0..=30).for_each(|k| line.put(f64::from(k) * 0.1, cubic(f64::from(k) * 0.1)));
-        for t in [1.35, 2.01, 2.5, 2.97] {
+        for t in [3.05, 3.51, 3.77, 3.97] {
             assert!((line.at(t) - cubic(t - 1.0)).abs() < 1e-12, "{t}");
         }
     }
