@@ -64,10 +64,21 @@ impl DelayLine {
         if after == self.past.len() {
             return self.past[before].volts;
         }
-        let first = if before > 0 && !self.past[before].jumped { before - 1 } else { before };
-        let beyond = self.past.get(after + 1).is_some_and(|sample| !sample.jumped);
-        let last = if beyond { after + 1 } else { after };
+        let (first, last) = self.around(before, after);
         self.lagrange(first, last, wanted)
+    }
+
+    /// Four samples around a pair without a jump between them, or as many as there are.
+    fn around(&self, mut first: usize, mut last: usize) -> (usize, usize) {
+        for _ in 0..2 {
+            if last - first < 3 && first > 0 && !self.past[first].jumped {
+                first -= 1;
+            }
+            if last - first < 3 && self.past.get(last + 1).is_some_and(|sample| !sample.jumped) {
+                last += 1;
+            }
+        }
+        (first, last)
     }
 
     fn lagrange(&self, first: usize, last: usize, time: f64) -> f64 {
