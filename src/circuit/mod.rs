@@ -195,9 +195,22 @@ impl Circuit {
         &self.signals
     }
 
-    /// Indices of the signals that the patch records.
-    pub fn record(&self) -> &[usize] {
-        &self.record
+    /// Names of what the patch records and of what its pictures show, each once.
+    pub fn recorded(&self) -> Vec<String> {
+        let asked = self.record.iter().map(|index| self.signals[*index].name.clone());
+        let mut names: Vec<String> = asked.collect();
+        for name in self.pictured() {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// Names of the signals that the patch's pictures show.
+    pub fn pictured(&self) -> impl Iterator<Item = String> + '_ {
+        let shown = self.patch.pictures.iter().flat_map(|picture| picture.y.iter().chain([&picture.x]));
+        shown.filter(|name| name.value != "t").map(|name| name.value.clone())
     }
 
     /// Unit of a signal: its text, and what it is in SI.
@@ -221,9 +234,14 @@ impl Circuit {
         &self.patch.run
     }
 
-    /// The pictures that the patch asks for.
-    pub fn pictures(&self) -> &[PictureSpec] {
-        &self.patch.pictures
+    /// The pictures that the patch asks for; where it asks for none, each of these signals against time.
+    pub fn picture_specs<'a>(&self, recorded: impl Iterator<Item = &'a str>) -> Vec<PictureSpec> {
+        if !self.patch.pictures.is_empty() {
+            return self.patch.pictures.clone();
+        }
+        let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
+        let against_time = |name| PictureSpec { title: String::new(), x: placed("t"), y: vec![placed(name)] };
+        recorded.map(against_time).collect()
     }
 
     /// The computer gain of the wiring between scaled signals, against the scales (eq. 4-8).

@@ -34,9 +34,8 @@ impl Program {
     /// Differentiates the rates at a point: forward mode over the operations, so exact but for rounding.
     /// At a kink the side counts on which the operations stand.
     pub(crate) fn linearise(&self, at: &OperatingPoint<'_>) -> Linearisation {
-        let by_states = self.jacobian(at, at.states.len(), |direction| Direction::State(direction));
-        let by_parameters =
-            self.jacobian(at, at.parameters.len(), |direction| Direction::Parameter(direction));
+        let by_states = self.jacobian(at, at.states.len(), Direction::State);
+        let by_parameters = self.jacobian(at, at.parameters.len(), Direction::Parameter);
         Linearisation {
             states: self.states().into_iter().map(str::to_owned).collect(),
             parameters: self.parameters.iter().map(|slot| slot.name.clone()).collect(),

@@ -12,7 +12,7 @@ impl Grid {
     pub fn new(step: f64) -> Self {
         let rate = 1.0 / step;
         let whole = rate.round();
-        let exact = whole >= 1.0 && whole < 1e15 && (rate - whole).abs() <= 1e-9 * whole;
+        let exact = (1.0..1e15).contains(&whole) && (rate - whole).abs() <= 1e-9 * whole;
         Grid { step, per_second: exact.then_some(whole) }
     }
 

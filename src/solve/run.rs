@@ -5,6 +5,7 @@ use super::grid::Grid;
 use super::machine::Machine;
 use crate::circuit::Circuit;
 use crate::machines::REFERENCE;
+use crate::patch::RunPlan;
 use crate::program::{Probe, Program};
 use crate::trace::{Sweep, Trace, Track};
 
@@ -31,7 +32,14 @@ impl RunSettings {
     /// # Errors
     /// When the patch does not say how long to run or with which step.
     pub fn of(circuit: &Circuit) -> Result<RunSettings, RunError> {
-        let plan = circuit.run_plan();
+        RunSettings::new(circuit.run_plan(), circuit)
+    }
+
+    /// What a plan asks for; recorded is what the patch records and what its pictures show.
+    ///
+    /// # Errors
+    /// When the plan does not say how long to run or with which step.
+    pub fn new(plan: &RunPlan, circuit: &Circuit) -> Result<RunSettings, RunError> {
         let need = |value: Option<f64>, key: &str, option: &str| {
             value.ok_or_else(|| {
                 RunError::Plan(format!("the patch's \"run\" has no \"{key}\": give one with {option}"))
@@ -44,7 +52,7 @@ impl RunSettings {
             every: plan.every.as_ref().map_or(step, |placed| placed.value),
             repeat: plan.repeat.as_ref().map_or(1, |placed| placed.value as usize),
             hold_on_overload: plan.hold_on_overload,
-            record: circuit.record().iter().map(|index| circuit.signals()[*index].name.clone()).collect(),
+            record: circuit.recorded(),
         })
     }
 

@@ -1,0 +1,43 @@
+//! Builds the patch of a damped oscillator in Rust, runs it, and holds it against the closed solution.
+
+use std::error::Error;
+
+use patchcord::circuit::Circuit;
+use patchcord::patch::{ElementBuilder, PatchBuilder};
+use patchcord::program::Program;
+use patchcord::solve::{self, RunSettings};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    // x'' = -wn^2 x - 2 zeta wn x', with 1 V for 1 mm and for 10 mm/s: both integrators take wn in x10.
+    let patch = PatchBuilder::new("damped oscillator")
+        .machine("solartron-1451")
+        .parameter("wn", 8.0, "rad/s", [1.0, 10.0])
+        .parameter("zeta", 0.1, "1", [0.0, 0.5])
+        .scale("position", 1.0, "mm")
+        .element("A1", ElementBuilder::new("integrator").cords("x10", ["P1", "P2"]).set("initial", 0))
+        .element("A2", ElementBuilder::new("integrator").cords("x10", ["P3"]).set("initial", -50))
+        .element("B1", ElementBuilder::new("summer").cords("x1", ["A2"]))
+        .element("P1", ElementBuilder::new("pot").cord("in", "B1").set("setting", "wn / 10"))
+        .element("P2", ElementBuilder::new("pot").cord("in", "A1").set("setting", "2 * zeta * wn / 10"))
+        .element("P3", ElementBuilder::new("pot").cord("in", "A1").set("setting", "wn / 10"))
+        .signal("x", "B1", "position", 1.0)
+        .run(2.0, 1e-3)
+        .record(["x"])
+        .build()?;
+    print!("{}", patch.text());
+
+    let circuit = Circuit::new(&patch, &[])?;
+    let program = Program::new(&circuit)?;
+    let trace = solve::run(&program, &RunSettings::of(&circuit)?)?;
+    let x = trace.values("x").ok_or("x is recorded")?;
+    let worst = trace.time.iter().zip(&x).map(|(t, x)| (x - closed_solution(*t)).abs()).fold(0.0, f64::max);
+    println!("largest difference from the closed solution: {worst:.1e} mm of 50 mm");
+    Ok(())
+}
+
+/// 50 mm let go at rest, with wn = 8 rad/s and zeta = 0.1.
+fn closed_solution(t: f64) -> f64 {
+    let (wn, zeta) = (8.0, 0.1);
+    let damped: f64 = wn * f64::sqrt(1.0 - zeta * zeta);
+    50.0 * (-zeta * wn * t).exp() * ((damped * t).cos() + zeta * wn / damped * (damped * t).sin())
+}

@@ -1,0 +1,34 @@
+//! Turns a pot while the machine runs: the slideway's stiffness falls, and the voltmeter shows what follows.
+
+use std::error::Error;
+use std::path::Path;
+
+use patchcord::circuit::Circuit;
+use patchcord::patch::Patch;
+use patchcord::program::Program;
+use patchcord::solve::Machine;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let patch = Patch::read(Path::new("patches/thesis/fig-8-16.json"))?;
+    let circuit = Circuit::new(&patch, &[("v_start".to_owned(), 1e-3), ("v_rate".to_owned(), 0.0)])?;
+    let program = Program::new(&circuit)?;
+    let mut machine = Machine::new(&program, 2e-5)?;
+    println!("problem check: A1 {} V, M1 {:.3} V", machine.voltage("A1")?, machine.voltage("M1")?);
+
+    for stiffness in [45e6, 30e6, 15e6] {
+        machine.set("K", stiffness)?;
+        let (mut least, mut most) = (f64::MAX, f64::MIN);
+        for _ in 0..500 {
+            machine.operate(1e-3)?;
+            let velocity = machine.voltage("B3")?;
+            (least, most) = (least.min(velocity), most.max(velocity));
+        }
+        machine.hold();
+        println!("K = {:4.1} MN/m: velocity swings from {least:6.2} V to {most:6.2} V", stiffness / 1e6);
+    }
+    match machine.set("K", 500e6) {
+        Err(refusal) => println!("refused: {refusal}"),
+        Ok(()) => println!("K = 500 MN/m was taken"),
+    }
+    Ok(())
+}

@@ -1,0 +1,146 @@
+//! `patchcord check`
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::failure::Failure;
+use super::load::{Loaded, PatchArguments, parameters_json};
+use super::table::Table;
+use super::{say, say_json};
+use crate::circuit::{Circuit, ScalingRow};
+use crate::patch::Report;
+use crate::program::Program;
+use crate::solve::Machine;
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    patch: PatchArguments,
+    /// Print the audit of amplitude scaling (computer gain = input scale x block gain / output scale)
+    #[arg(long)]
+    scaling: bool,
+    /// Print the voltages in initial condition (problem check)
+    #[arg(long)]
+    voltages: bool,
+}
+
+pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
+    let Loaded { circuit, program } = arguments.patch.load()?;
+    let voltages =
+        voltages(&circuit, &program).map_err(|failure| failure.told_as_json(arguments.patch.json))?;
+    if arguments.patch.json {
+        return say_json(&document(&circuit, &program, &voltages));
+    }
+    say(&summary(&circuit, &program))?;
+    if arguments.voltages {
+        say(&format!("\n{}", voltage_table(&voltages)))?;
+    }
+    if arguments.scaling {
+        say(&format!("\n{}", scaling_table(&circuit.scaling())))?;
+    }
+    Ok(())
+}
+
+/// A voltage of the problem check.
+struct Static {
+    element: String,
+    kind: &'static str,
+    volts: f64,
+}
+
+/// The step plays no part in initial condition, but delay lines want one.
+const ANY_STEP: f64 = 1e-4;
+
+fn voltages(circuit: &Circuit, program: &Program) -> Result<Vec<Static>, Failure> {
+    let step = circuit.run_plan().step.as_ref().map_or(ANY_STEP, |placed| placed.value);
+    let machine = Machine::new(program, step)?;
+    let mut read = Vec::new();
+    for element in circuit.elements() {
+        let volts = machine.voltage(&element.name)?;
+        read.push(Static { element: element.name.clone(), kind: element.kind.name, volts });
+    }
+    Ok(read)
+}
+
+fn summary(circuit: &Circuit, program: &Program) -> String {
+    let patch = circuit.patch();
+    let mut text = format!("{}: nothing wrong\n", patch.file());
+    if !patch.title.is_empty() {
+        text += &format!("{}\n", patch.title);
+    }
+    let machine = circuit.machine();
+    let parts = circuit.parts().iter().map(|(part, used)| match machine.count(*part) {
+        Some(owned) => format!("{used} of {owned} {}", part.noun()),
+        None => format!("{used} {}", part.noun()),
+    });
+    text += &format!("on the {}: {}\n", machine.name, parts.collect::<Vec<_>>().join(", "));
+    for entry in program.loops() {
+        text += &format!("loop without an integrator, one solution: {}\n", entry.members.join(", "));
+    }
+    text
+}
+
+fn voltage_table(voltages: &[Static]) -> String {
+    let mut table = Table::new(["element", "kind", "volts"]);
+    for read in voltages {
+        table.row([read.element.clone(), read.kind.to_owned(), format!("{:.4}", read.volts + 0.0)]);
+    }
+    table.text()
+}
+
+fn scaling_table(rows: &[ScalingRow]) -> String {
+    let mut table =
+        Table::new(["at", "from", "to", "computer gain", "block", "unit", "is", "asked for", "difference"]);
+    for row in rows {
+        table.row([
+            row.element.clone(),
+            row.input.clone(),
+            row.output.clone(),
+            format!("{:.6}", row.computer_gain),
+            format!("{:.6e}", row.block_gain),
+            row.unit.clone(),
+            row.block.clone().unwrap_or_default(),
+            row.wanted.map(|wanted| format!("{wanted:.6}")).unwrap_or_default(),
+            row.difference()
+                .map(|difference| format!("{:.2} %", 100.0 * difference + 0.0))
+                .unwrap_or_default(),
+        ]);
+    }
+    table.text()
+}
+
+fn document(circuit: &Circuit, program: &Program, voltages: &[Static]) -> Value {
+    let warnings: Report = circuit.warnings();
+    json!({
+        "ok": true,
+        "patch": circuit.patch().file(),
+        "title": circuit.patch().title,
+        "machine": circuit.machine().name,
+        "diagnostics": warnings.to_json(),
+        "parameters": parameters_json(circuit),
+        "parts": circuit.parts().iter().map(|(part, used)| json!({
+            "part": part.key(), "used": used, "owned": circuit.machine().count(*part),
+        })).collect::<Value>(),
+        "loops": program.loops().iter().map(|entry| json!(entry.members)).collect::<Value>(),
+        "voltages": voltages.iter().map(|read| json!({
+            "element": read.element, "kind": read.kind, "volts": read.volts,
+        })).collect::<Value>(),
+        "scaling": circuit.scaling().iter().map(row_json).collect::<Value>(),
+    })
+}
+
+fn row_json(row: &ScalingRow) -> Value {
+    json!({
+        "element": row.element,
+        "input": row.input,
+        "output": row.output,
+        "computer_gain": row.computer_gain,
+        "input_scale": row.input_scale,
+        "output_scale": row.output_scale,
+        "block_gain": row.block_gain,
+        "unit": row.unit,
+        "block": row.block,
+        "wanted_computer_gain": row.wanted,
+        "difference": row.difference(),
+    })
+}

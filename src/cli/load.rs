@@ -1,0 +1,72 @@
+//! Options that all commands on patches share, and the way from a file to a program.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::failure::{Failure, tell_report};
+use crate::circuit::Circuit;
+use crate::instruments::Display;
+use crate::patch::Patch;
+use crate::program::Program;
+
+/// The patch and its parameters.
+#[derive(Args)]
+pub(super) struct PatchArguments {
+    /// Patch file (JSON)
+    pub patch: PathBuf,
+    /// Set a parameter, in the unit that the patch declares for it; may be given several times
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
+    pub set: Vec<(String, f64)>,
+    /// Print one JSON document on standard output, and nothing else there
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn setting(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, such as VcL=2.54e-3")?;
+    let number: f64 = value.trim().parse().map_err(|_| format!("\"{value}\" is not a number"))?;
+    if !number.is_finite() {
+        return Err(format!("{value} is not a finite number"));
+    }
+    Ok((name.trim().to_owned(), number))
+}
+
+/// A patch that can be run.
+pub(super) struct Loaded {
+    pub circuit: Circuit,
+    pub program: Program,
+}
+
+impl PatchArguments {
+    /// Reads and checks the patch; warnings go to standard error.
+    pub fn load(&self) -> Result<Loaded, Failure> {
+        let loaded = self.checked().map_err(|failure| failure.told_as_json(self.json))?;
+        tell_report(&loaded.circuit.warnings());
+        Ok(loaded)
+    }
+
+    fn checked(&self) -> Result<Loaded, Failure> {
+        let patch = Patch::read(&self.patch)?;
+        let circuit = Circuit::new(&patch, &self.set)?;
+        let program = Program::new(&circuit)?;
+        Ok(Loaded { circuit, program })
+    }
+}
+
+/// The parameters as a line of small print: those that are not 0, in short units.
+pub(super) fn parameter_line(circuit: &Circuit) -> String {
+    let told = circuit.parameters().filter(|(.., value)| *value != 0.0).map(|(name, parameter, value)| {
+        format!("{name} {}", Display::new(parameter.unit.text(), value).text(value))
+    });
+    told.collect::<Vec<_>>().join(", ")
+}
+
+/// The parameters for `--json`.
+pub(super) fn parameters_json(circuit: &Circuit) -> Value {
+    let told = circuit.parameters().map(|(name, parameter, value)| {
+        json!({"name": name, "value": value, "unit": parameter.unit.text(), "description": parameter.description})
+    });
+    told.collect()
+}

@@ -1,0 +1,56 @@
+//! Tables of text for the terminal.
+
+/// Rows of cells under headings, in columns as wide as they need; cells that are numbers stand to the right.
+pub(super) struct Table {
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    pub fn new<const N: usize>(headings: [&str; N]) -> Self {
+        Table { rows: vec![headings.map(str::to_owned).to_vec()] }
+    }
+
+    pub fn row<const N: usize>(&mut self, cells: [String; N]) {
+        self.rows.push(cells.to_vec());
+    }
+
+    /// The table, each line ended; nothing where there are no rows.
+    pub fn text(&self) -> String {
+        if self.rows.len() < 2 {
+            return String::new();
+        }
+        let columns = self.rows[0].len();
+        let widths: Vec<_> = (0..columns).map(|column| self.width(column)).collect();
+        let numeric: Vec<_> = (0..columns).map(|column| self.is_numeric(column)).collect();
+        self.rows.iter().map(|row| line(row, &widths, &numeric)).collect()
+    }
+
+    fn width(&self, column: usize) -> usize {
+        self.rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0)
+    }
+
+    fn is_numeric(&self, column: usize) -> bool {
+        self.rows[1..].iter().all(|row| row[column].is_empty() || row[column].parse::<f64>().is_ok())
+    }
+}
+
+fn line(row: &[String], widths: &[usize], numeric: &[bool]) -> String {
+    let cells = row.iter().zip(widths).zip(numeric).map(|((cell, width), numeric)| {
+        if *numeric { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
+    });
+    let line = cells.collect::<Vec<_>>().join("  ");
+    format!("{}\n", line.trim_end())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_line_up() {
+        let mut table = Table::new(["name", "volts"]);
+        table.row(["A1".into(), "100".into()]);
+        table.row(["long".into(), "-5".into()]);
+        assert_eq!(table.text(), "name  volts\nA1      100\nlong     -5\n");
+    }
+}

@@ -1,0 +1,67 @@
+//! Quantities as a person reads them: a prefix that keeps numbers short, few digits.
+
+use crate::patch::{Unit, engineering};
+
+/// How values of one quantity are shown: all of them in the same prefixed unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Display {
+    factor: f64,
+    /// The unit shown; empty for pure numbers.
+    pub unit: String,
+}
+
+impl Display {
+    /// The display of values in `unit`, the largest of which (without sign) is `largest`.
+    pub fn new(unit: &str, largest: f64) -> Self {
+        let (factor, shown) = match Unit::parse(unit) {
+            Ok(parsed) => engineering(&parsed, largest.abs()),
+            Err(_) => (1.0, unit.to_owned()),
+        };
+        Display { factor, unit: if shown == "1" { String::new() } else { shown } }
+    }
+
+    /// A value in the unit shown.
+    pub fn value(&self, value: f64) -> f64 {
+        value * self.factor
+    }
+
+    /// A value in the unit shown, to four digits, without the unit.
+    pub fn number(&self, value: f64) -> String {
+        digits(self.value(value))
+    }
+
+    /// A value with its unit.
+    pub fn text(&self, value: f64) -> String {
+        format!("{} {}", self.number(value), self.unit).trim_end().to_owned()
+    }
+}
+
+/// A number to four digits, in powers of ten where it is very large or small.
+fn digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = value.abs().log10().floor();
+    if !(-5.0..7.0).contains(&magnitude) {
+        return format!("{value:.3e}");
+    }
+    let decimals = (3.0 - magnitude).max(0.0) as usize;
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities_are_short() {
+        let shown = |unit: &str, value: f64| Display::new(unit, value).text(value);
+        assert_eq!(shown("m/s", 0.00254), "2.54 mm/s");
+        assert_eq!(shown("N", 771.0), "771 N");
+        assert_eq!(shown("N/m", 45e6), "45 MN/m");
+        assert_eq!(shown("1", 0.70710678), "0.7071");
+        assert_eq!(shown("V", -100.0), "-100 V");
+        assert_eq!(shown("s", 0.0), "0 s");
+    }
+}

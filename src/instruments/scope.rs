@@ -1,0 +1,158 @@
+//! The storage oscilloscope: Y-t and X-Y pictures of a trace.
+
+use super::Display;
+use crate::patch::PictureSpec;
+use crate::plot::{Axis, Channel, Picture};
+use crate::trace::{Trace, Track};
+
+/// Why a picture cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ScopeError {
+    /// A signal that was not recorded.
+    #[error("the picture \"{picture}\" shows {signal}, which was not recorded")]
+    NotRecorded {
+        /// Title of the picture.
+        picture: String,
+        /// The signal.
+        signal: String,
+    },
+    /// More units than a picture has axes.
+    #[error("the picture \"{picture}\" shows signals in more than two units; draw two pictures")]
+    TooManyUnits {
+        /// Title of the picture.
+        picture: String,
+    },
+}
+
+/// A quantity along an axis.
+struct Quantity<'t> {
+    name: &'t str,
+    unit: &'t str,
+    values: Vec<f64>,
+}
+
+impl<'t> Quantity<'t> {
+    fn of(track: &'t Track) -> Self {
+        Quantity { name: &track.name, unit: &track.unit, values: track.values().collect() }
+    }
+}
+
+/// The picture that a patch asks for, from what was recorded: channels in one unit share an axis, those in a
+/// second unit are read on the right; every sweep begins a new line. `note` is a line of small print.
+///
+/// # Errors
+/// When a signal was not recorded, or the channels have more than two units.
+pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<String>) -> Result<Picture, ScopeError> {
+    let along = find(trace, spec, &spec.x.value)?;
+    let shown: Result<Vec<_>, _> = spec.y.iter().map(|name| find(trace, spec, &name.value)).collect();
+    let shown = shown?;
+    let left_unit = shown.first().map_or("", |quantity| quantity.unit);
+    let (left, right): (Vec<_>, Vec<_>) = shown.iter().partition(|quantity| quantity.unit == left_unit);
+    if right.iter().any(|quantity| quantity.unit != right[0].unit) {
+        return Err(ScopeError::TooManyUnits { picture: title(spec) });
+    }
+    let (horizontal, across) = axis(&[&along], Axis::ACROSS);
+    let (vertical, up) = axis(&left, Axis::UP);
+    let second = (!right.is_empty()).then(|| axis(&right, Axis::UP));
+    let breaks: Vec<usize> = trace.sweeps.iter().map(|sweep| sweep.first).collect();
+    let channels = shown.iter().map(|quantity| {
+        let on_right = quantity.unit != left_unit;
+        let scale = if on_right { second.as_ref().map_or(&up, |(_, scale)| scale) } else { &up };
+        let points =
+            along.values.iter().zip(&quantity.values).map(|(x, y)| (across.value(*x), scale.value(*y)));
+        Channel {
+            name: quantity.name.to_owned(),
+            points: points.collect(),
+            right: on_right,
+            breaks: breaks.clone(),
+        }
+    });
+    Ok(Picture {
+        title: title(spec),
+        channels: channels.collect(),
+        horizontal,
+        vertical,
+        vertical_right: second.map(|(axis, _)| axis),
+        note,
+    })
+}
+
+fn title(spec: &PictureSpec) -> String {
+    if !spec.title.is_empty() {
+        return spec.title.clone();
+    }
+    let names: Vec<_> = spec.y.iter().map(|name| name.value.as_str()).collect();
+    format!("{} against {}", names.join(", "), spec.x.value)
+}
+
+fn find<'t>(trace: &'t Trace, spec: &PictureSpec, name: &str) -> Result<Quantity<'t>, ScopeError> {
+    if name == "t" {
+        return Ok(Quantity { name: "t", unit: "s", values: trace.time.clone() });
+    }
+    let missing = || ScopeError::NotRecorded { picture: title(spec), signal: name.to_owned() };
+    trace.track(name).map(Quantity::of).ok_or_else(missing)
+}
+
+/// An axis for quantities of one unit, and how their values are shown on it.
+fn axis(quantities: &[&Quantity<'_>], divisions: usize) -> (Axis, Display) {
+    let all = || quantities.iter().flat_map(|quantity| quantity.values.iter().copied());
+    let largest = all().filter(|value| value.is_finite()).fold(0.0, |most: f64, value| most.max(value.abs()));
+    let display = Display::new(quantities.first().map_or("", |quantity| quantity.unit), largest);
+    let shown: Vec<f64> = all().map(|value| display.value(value)).collect();
+    let names: Vec<_> = quantities.iter().map(|quantity| quantity.name).collect();
+    (Axis::snug(names.join(", "), display.unit.clone(), shown.into_iter(), divisions), display)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patch::{Placed, Span};
+    use crate::trace::Sweep;
+
+    fn spec(x: &str, y: &[&str]) -> PictureSpec {
+        let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
+        PictureSpec { title: String::new(), x: placed(x), y: y.iter().map(|name| placed(name)).collect() }
+    }
+
+    fn trace() -> Trace {
+        let track = |name: &str, unit: &str| Track {
+            name: name.into(),
+            unit: unit.into(),
+            per_volt: 1e-3,
+            volts: vec![0.0, 2.0, 1.0, 0.0, 2.0, 1.0],
+        };
+        Trace {
+            time: vec![0.0, 1.0, 2.0, 0.0, 1.0, 2.0],
+            tracks: vec![track("v", "m/s"), track("w", "m/s"), track("F", "N"), track("p", "Pa")],
+            sweeps: vec![Sweep::default(), Sweep { first: 3, ..Sweep::default() }],
+        }
+    }
+
+    #[test]
+    fn values_are_shown_in_a_prefixed_unit() {
+        let picture = picture(&trace(), &spec("t", &["v", "w"]), None).unwrap();
+        assert_eq!((picture.vertical.unit.as_str(), picture.vertical.label.as_str()), ("mm/s", "v, w"));
+        assert_eq!(picture.channels[1].points[1], (1.0, 2.0));
+        assert!(picture.vertical_right.is_none());
+    }
+
+    #[test]
+    fn a_second_unit_is_read_on_the_right() {
+        let picture = picture(&trace(), &spec("v", &["w", "F"]), None).unwrap();
+        assert_eq!(picture.vertical_right.unwrap().unit, "mN");
+        assert_eq!(picture.channels.iter().map(|channel| channel.right).collect::<Vec<_>>(), [false, true]);
+    }
+
+    #[test]
+    fn every_sweep_begins_a_new_line() {
+        let picture = picture(&trace(), &spec("t", &["v"]), None).unwrap();
+        assert_eq!(picture.channels[0].breaks, [0, 3]);
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_told() {
+        assert!(matches!(picture(&trace(), &spec("t", &["x"]), None), Err(ScopeError::NotRecorded { .. })));
+        let three = spec("t", &["v", "F", "p"]);
+        assert!(matches!(picture(&trace(), &three, None), Err(ScopeError::TooManyUnits { .. })));
+    }
+}
