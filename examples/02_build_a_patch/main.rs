@@ -8,7 +8,7 @@ use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // x'' = -wn^2 x - 2 zeta wn x', with 1 V for 1 mm and for 10 mm/s: both integrators take wn in x10.
+    // x'' = -wn^2 x - 2 zeta wn x', with 1 V for 1 mm and x' / wn in volts too, so that both integrators take wn.
     let patch = PatchBuilder::new("damped oscillator")
         .machine("solartron-1451")
         .parameter("wn", 8.0, "rad/s", [1.0, 10.0])

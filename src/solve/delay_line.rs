@@ -118,8 +118,8 @@ mod tests {
     #[test]
     fn a_jump_stays_a_jump() {
         let mut line = DelayLine::new(1.0, 0.0, 0.1);
-        [(0.0, 1.0), (0.1, 1.0), (0.15, 1.0), (0.15, 5.0), (0.2, 5.0), (0.3, 5.0)]
-            .map(|(t, v)| line.put(t, v));
+        let samples = [(0.0, 1.0), (0.1, 1.0), (0.15, 1.0), (0.15, 5.0), (0.2, 5.0), (0.3, 5.0)];
+        samples.iter().for_each(|(time, volts)| line.put(*time, *volts));
         assert_eq!((line.at(1.149), line.at(1.151)), (1.0, 5.0));
     }
 }

@@ -1,0 +1,73 @@
+//! The documents say what is true: paths exist, patches in them run, generated files are fresh.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use patchcord::circuit::Circuit;
+use patchcord::patch::{Patch, json_schema};
+use patchcord::program::Program;
+
+fn documents() -> Vec<PathBuf> {
+    let mut found = vec!["README.md".into(), "CONTRIBUTING.md".into(), "CHANGELOG.md".into()];
+    for folder in ["docs", "examples/01_load_and_run", "examples/02_build_a_patch", "examples/03_turn_a_pot"]
+    {
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        found.extend(entries.filter(|path| path.extension().is_some_and(|ending| ending == "md")));
+    }
+    found
+}
+
+/// Words in backquotes or link targets that look like paths of this repository.
+fn paths_named(text: &str) -> Vec<String> {
+    let quoted = text.split('`').skip(1).step_by(2);
+    let linked = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let is_path = |word: &&str| {
+        let folders = ["src/", "docs/", "tests/", "patches/", "examples/", ".ci/"];
+        folders.iter().any(|folder| word.starts_with(folder))
+            || (word.ends_with(".md") && !word.contains(' '))
+    };
+    quoted.chain(linked).filter(is_path).filter(|word| !word.contains("NAME")).map(str::to_owned).collect()
+}
+
+#[test]
+fn every_path_named_exists() {
+    for document in documents() {
+        let text = fs::read_to_string(&document).unwrap();
+        for path in paths_named(&text) {
+            assert!(Path::new(&path).exists(), "{} names {path}, which does not exist", document.display());
+        }
+    }
+}
+
+/// The fenced JSON blocks of a document.
+fn json_blocks(text: &str) -> impl Iterator<Item = &str> {
+    text.split("```json\n").skip(1).filter_map(|rest| rest.split("```").next())
+}
+
+#[test]
+fn every_patch_shown_is_right() {
+    let mut shown = 0;
+    for document in documents() {
+        let text = fs::read_to_string(&document).unwrap();
+        for block in json_blocks(&text) {
+            let name = document.display().to_string();
+            let patch = Patch::parse(&name, block).unwrap_or_else(|report| panic!("{report}"));
+            let circuit = Circuit::new(&patch, &[]).unwrap_or_else(|report| panic!("{report}"));
+            assert_eq!(circuit.warnings().to_string(), "", "{name}");
+            Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
+            shown += 1;
+        }
+    }
+    assert!(shown >= 2);
+}
+
+#[test]
+fn the_schema_is_fresh() {
+    let path = "docs/patch.schema.json";
+    let fresh = format!("{:#}\n", json_schema());
+    if std::env::var_os("PATCHCORD_BLESS").is_some() {
+        fs::write(path, &fresh).unwrap();
+    }
+    let stored = fs::read_to_string(path).unwrap_or_default();
+    assert!(stored == fresh, "{path} is stale: PATCHCORD_BLESS=1 cargo test --test docs rewrites it");
+}
