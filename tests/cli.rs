@@ -1,0 +1,181 @@
+//! The command line as a user meets it: what it prints, what it writes, how it ends.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+const FIG_8_16: &str = "patches/thesis/fig-8-16.json";
+
+fn patchcord(arguments: &[&str]) -> Output {
+    Command::cargo_bin("patchcord").unwrap().args(arguments).output().unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn errors(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {}", out(output)))
+}
+
+fn path(folder: &tempfile::TempDir, name: &str) -> String {
+    folder.path().join(name).display().to_string()
+}
+
+#[test]
+fn a_run_writes_table_and_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let (csv, svg) = (path(&folder, "out.csv"), path(&folder, "out.svg"));
+    let ran = patchcord(&["run", FIG_8_16, "--for", "0.5", "--csv", &csv, "--plot", &svg]);
+    assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""));
+    assert!(out(&ran).contains("no overload") && out(&ran).contains(&format!("wrote {csv}")));
+    let table = fs::read_to_string(&csv).unwrap();
+    let lines: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(lines[0], "t,v_i,x_error,v_o,a_o,spring_force,friction_level,memory");
+    assert_eq!(lines.len(), 502);
+    assert!(lines[501].starts_with("0.5,"));
+    assert!(table.contains("# v_o: m/s\n"));
+    let picture = fs::read_to_string(&svg).unwrap();
+    assert!(picture.starts_with("<?xml") && picture.contains("v_o, mm/s"));
+}
+
+#[test]
+fn a_folder_takes_table_and_picture_under_the_patchs_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let inside = path(&folder, "new/results");
+    assert_eq!(code(&patchcord(&["run", FIG_8_16, "--for", "0.01", "--out", &inside])), 0);
+    for file in ["fig-8-16.csv", "fig-8-16.svg"] {
+        assert!(Path::new(&inside).join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
+fn the_same_run_gives_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = ["a.csv", "b.csv", "a.png", "b.png"].map(|name| path(&folder, name));
+    for (csv, png) in [(&files[0], &files[2]), (&files[1], &files[3])] {
+        assert_eq!(code(&patchcord(&["run", FIG_8_16, "--for", "0.3", "--csv", csv, "--plot", png])), 0);
+    }
+    let bytes = files.each_ref().map(|file| fs::read(file).unwrap());
+    assert!(bytes[0] == bytes[1] && bytes[2] == bytes[3]);
+}
+
+#[test]
+fn json_is_one_document_and_nothing_else() {
+    let check = json(&patchcord(&["check", FIG_8_16, "--json"]));
+    assert_eq!(check["ok"], true);
+    let volts = |name: &str| {
+        let all = check["voltages"].as_array().unwrap();
+        all.iter().find(|read| read["element"] == name).unwrap()["volts"].as_f64().unwrap()
+    };
+    assert_eq!((volts("A1"), volts("B1"), volts("X2")), (100.0, -100.0, -50.0));
+    let scaling = check["scaling"].as_array().unwrap();
+    assert!(scaling.iter().any(|row| row["block"] == "K" && row["output"] == "spring_force"));
+    assert!(scaling.iter().all(|row| row["difference"].as_f64().unwrap().abs() < 1e-12));
+    let run = json(&patchcord(&["run", FIG_8_16, "--for", "0.01", "--json"]));
+    assert_eq!(run["samples"], 11);
+    assert_eq!(run["readings"][0]["signal"], "v_i");
+    assert_eq!(run["sweeps"][0]["overloads"].as_array().unwrap().len(), 0);
+    assert!(json(&patchcord(&["elements", "--json"])).as_array().unwrap().len() >= 15);
+    assert_eq!(json(&patchcord(&["elements", "pot", "--json"]))[0]["settings"][0]["name"], "setting");
+    let machines = json(&patchcord(&["machines", "--json"]));
+    assert_eq!(
+        (&machines[0]["name"], &machines[0]["parts"]["summers"]),
+        (&"solartron-1451".into(), &16.into())
+    );
+}
+
+#[test]
+fn a_wrong_patch_ends_with_1_and_its_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "wrong.json");
+    let text = fs::read_to_string(FIG_8_16).unwrap().replace("\"in\": \"B5\"", "\"in\": \"B55\"");
+    fs::write(&file, text).unwrap();
+    let checked = patchcord(&["check", &file]);
+    assert_eq!((code(&checked), out(&checked).as_str()), (1, ""));
+    assert!(errors(&checked).contains("unknown-name") && errors(&checked).contains("did you mean"));
+    let told = patchcord(&["check", &file, "--json"]);
+    assert_eq!(code(&told), 1);
+    let first = json(&told)["diagnostics"][0].clone();
+    assert_eq!((&first["code"], first["line"].is_u64()), (&"unknown-name".into(), true));
+}
+
+#[test]
+fn a_wrong_command_line_ends_with_2() {
+    let folder = tempfile::tempdir().unwrap();
+    let plot = path(&folder, "out.gif");
+    let wrong: &[&[&str]] = &[
+        &["run", FIG_8_16, "--set", "VLc=1e-3"],
+        &["run", FIG_8_16, "--set", "VcL"],
+        &["run", FIG_8_16, "--set", "VcL=fast"],
+        &["run", FIG_8_16, "--set", "VcL=NaN"],
+        &["run", FIG_8_16, "--set", "VcL=1"],
+        &["run", FIG_8_16, "--for", "-1"],
+        &["run", FIG_8_16, "--step", "0"],
+        &["run", FIG_8_16, "--every", "inf"],
+        &["run", FIG_8_16, "--repeat", "0"],
+        &["run", FIG_8_16, "--record", "v_p"],
+        &["run", FIG_8_16, "--plot", &plot],
+        &["run"],
+        &["replay-all"],
+        &["elements", "sumer"],
+    ];
+    for arguments in wrong {
+        let ran = patchcord(arguments);
+        assert_eq!(code(&ran), 2, "{arguments:?}: {}", errors(&ran));
+        assert!(!errors(&ran).is_empty(), "{arguments:?}");
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn files_that_cannot_be_read_or_written_end_with_1() {
+    let wrong: &[&[&str]] = &[
+        &["check", "no-such-file.json"],
+        &["run", FIG_8_16, "--for", "0.001", "--csv", "no/such/folder/out.csv"],
+        &["run", FIG_8_16, "--for", "0.001", "--csv", "patches"],
+    ];
+    for arguments in wrong {
+        let ran = patchcord(arguments);
+        assert_eq!(code(&ran), 1, "{arguments:?}");
+        assert!(errors(&ran).starts_with("error: cannot"), "{}", errors(&ran));
+    }
+}
+
+#[test]
+fn a_repeated_run_tells_its_runs_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = path(&folder, "out.csv");
+    assert_eq!(code(&patchcord(&["run", FIG_8_16, "--for", "0.002", "--repeat", "2", "--csv", &csv])), 0);
+    let table = fs::read_to_string(&csv).unwrap();
+    let rows: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
+    assert!(rows[0].ends_with(",run"));
+    assert_eq!(rows.len(), 7);
+    let without_run = |row: &str| row.rsplit_once(',').unwrap().0.to_owned();
+    assert_eq!(without_run(rows[3]), without_run(rows[6]));
+    assert!(rows[1].ends_with(",1") && rows[6].ends_with(",2"));
+}
+
+#[test]
+fn an_overload_is_told_with_what_it_caused() {
+    let ran = patchcord(&["run", FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1"]);
+    assert_eq!(code(&ran), 0);
+    let told = out(&ran);
+    let lines: Vec<&str> = told.lines().filter(|line| line.starts_with("overload: ")).collect();
+    assert!(lines.len() > 1 && lines[0].ends_with("(first)"), "{told}");
+    assert!(lines[1].contains("caused by"), "{told}");
+    let held =
+        patchcord(&["run", FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1", "--hold-on-overload"]);
+    assert!(out(&held).contains("held at t = "), "{}", out(&held));
+}
