@@ -1,5 +1,7 @@
 //! The order of working out voltages, and the loops that have no integrator in them.
 
+use std::collections::HashSet;
+
 use petgraph::algo::{kosaraju_scc, toposort};
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef as _;
@@ -11,12 +13,12 @@ use crate::patch::{Code, Diagnostic};
 
 type Plain = DiGraph<usize, ()>;
 
-/// Drivers before what they drive; members of a loop together, the one that opens it last.
+/// Loops inside loops that are opened one after the other; each one more multiplies the work of a step.
+const DEEPEST: usize = 3;
+
+/// Drivers before what they drive, members of a loop together.
 pub(super) fn stages(graph: &Graph, findings: &mut Vec<Diagnostic>) -> Vec<Stage> {
-    let direct = direct_cords(graph);
-    let components = kosaraju_scc(&direct);
-    let stages = components.iter().rev().filter_map(|members| stage(graph, &direct, members, findings));
-    stages.collect()
+    Opener { graph, findings }.ordered(&direct_cords(graph), 0)
 }
 
 /// The graph of cords through which a voltage acts within the same instant.
@@ -30,52 +32,57 @@ fn direct_cords(graph: &Graph) -> Plain {
     direct
 }
 
-fn stage(
-    graph: &Graph,
-    direct: &Plain,
-    members: &[NodeIndex],
-    findings: &mut Vec<Diagnostic>,
-) -> Option<Stage> {
-    let alone = members.len() == 1 && direct.find_edge(members[0], members[0]).is_none();
-    if alone {
-        return Some(Stage::Element(members[0].index()));
+struct Opener<'a> {
+    graph: &'a Graph,
+    findings: &'a mut Vec<Diagnostic>,
+}
+
+impl Opener<'_> {
+    /// The elements of a part of the circuit in order, `depth` loops having been opened around it.
+    fn ordered(&mut self, part: &Plain, depth: usize) -> Vec<Stage> {
+        let components = kosaraju_scc(part);
+        components.iter().rev().map(|members| self.stage(part, members, depth)).collect()
     }
-    let opened = opened(graph, direct, members);
-    if opened.is_none() {
-        findings.push(tangled(graph, members));
+
+    fn stage(&mut self, part: &Plain, members: &[NodeIndex], depth: usize) -> Stage {
+        if members.len() == 1 && part.find_edge(members[0], members[0]).is_none() {
+            return Stage::Element(part[members[0]]);
+        }
+        if depth == DEEPEST {
+            self.findings.push(tangled(self.graph, members.iter().map(|index| part[*index])));
+            return Stage::Element(part[members[0]]);
+        }
+        let opened = self.opened(part, members);
+        let inside = without(part, members, opened);
+        Stage::Loop { opened: part[opened], inside: self.ordered(&inside, depth + 1) }
     }
-    opened.map(Stage::Loop)
+
+    /// The member that opens a loop: one that leaves no loop inside if there is one, amplifiers before others.
+    fn opened(&self, part: &Plain, members: &[NodeIndex]) -> NodeIndex {
+        let element = |index: &NodeIndex| &self.graph[NodeIndex::new(part[*index])];
+        let mut order = members.to_vec();
+        order.sort_by_key(|index| (element(index).kind.output == Output::Passive, part[*index]));
+        let opens_all = |index: &NodeIndex| toposort(&without(part, members, *index), None).is_ok();
+        order.iter().copied().find(opens_all).unwrap_or(order[0])
+    }
 }
 
-/// The members in an order that one of them, the last, opens. Amplifiers are tried first.
-fn opened(graph: &Graph, direct: &Plain, members: &[NodeIndex]) -> Option<Vec<usize>> {
-    let mut candidates = members.to_vec();
-    candidates.sort_by_key(|index| (graph[*index].kind.output == Output::Passive, index.index()));
-    candidates.into_iter().find_map(|tear| order_without(direct, members, tear))
+/// The members of a loop but one, and the cords between them.
+fn without(part: &Plain, members: &[NodeIndex], opened: NodeIndex) -> Plain {
+    let kept: HashSet<NodeIndex> = members.iter().copied().filter(|index| *index != opened).collect();
+    part.filter_map(|index, element| kept.contains(&index).then_some(*element), |_, ()| Some(()))
 }
 
-/// The members in order when the cords out of `tear` are pulled, if no loop is left then.
-fn order_without(direct: &Plain, members: &[NodeIndex], tear: NodeIndex) -> Option<Vec<usize>> {
-    let part =
-        direct.filter_map(|index, element| members.contains(&index).then_some(*element), |_, _| Some(()));
-    let mut part = part;
-    part.retain_edges(|part, edge| {
-        part.edge_endpoints(edge).is_some_and(|(from, _)| part[from] != tear.index())
-    });
-    let order = toposort(&part, None).ok()?;
-    let others = order.into_iter().map(|index| part[index]).filter(|element| *element != tear.index());
-    Some(others.chain([tear.index()]).collect())
-}
-
-fn tangled(graph: &Graph, members: &[NodeIndex]) -> Diagnostic {
-    let mut members = members.to_vec();
-    members.sort();
-    let names: Vec<_> = members.iter().map(|index| graph[*index].name.as_str()).collect();
+fn tangled(graph: &Graph, members: impl Iterator<Item = usize>) -> Diagnostic {
+    let mut members: Vec<usize> = members.collect();
+    members.sort_unstable();
+    let element = |member: &usize| &graph[NodeIndex::new(*member)];
+    let names: Vec<_> = members.iter().map(|member| element(member).name.as_str()).collect();
     let message = format!(
-        "the loops through {} have no integrator, and no single element opens them all",
+        "the loops through {} have no integrator, and stay closed when {DEEPEST} elements are taken out",
         names.join(", ")
     );
-    let span = members.iter().find_map(|index| graph[*index].span);
-    let hint = Some("put an integrator or a lag into one of them".to_owned());
+    let span = members.iter().find_map(|member| element(member).span);
+    let hint = Some("put an integrator or a lag into some of them".to_owned());
     Diagnostic { code: Code::LoopTooTangled, span, message, hint }
 }

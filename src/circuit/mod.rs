@@ -65,8 +65,25 @@ pub struct Cord {
 pub enum Stage {
     /// An element whose direct inputs are known by now.
     Element(usize),
-    /// A loop without an integrator; the last member opens it.
-    Loop(Vec<usize>),
+    /// A loop without an integrator.
+    Loop {
+        /// The element that opens it; worked out last.
+        opened: usize,
+        /// The other members in order once it is opened; loops among them stand inside this one.
+        inside: Vec<Stage>,
+    },
+}
+
+impl Stage {
+    /// The elements of the stage in order; the one that opens a loop last.
+    pub fn members(&self) -> Vec<usize> {
+        match self {
+            Stage::Element(element) => vec![*element],
+            Stage::Loop { opened, inside } => {
+                inside.iter().flat_map(Stage::members).chain([*opened]).collect()
+            }
+        }
+    }
 }
 
 /// A place where a quantity is read.

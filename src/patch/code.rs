@@ -66,7 +66,7 @@ codes! {
     LoopWithoutSolution "loop-without-solution" Error "A loop without an integrator that no set of voltages satisfies.";
     LoopWithSolutions "loop-with-solutions" Error "A loop without an integrator that several sets of voltages satisfy.";
     LoopNotPiecewiseLinear "loop-not-piecewise-linear" Error "A loop without an integrator through an element that is not made of straight pieces.";
-    LoopTooTangled "loop-too-tangled" Error "Loops without an integrator that no single element opens.";
+    LoopTooTangled "loop-too-tangled" Error "Loops without an integrator that are too tangled to be opened one after the other.";
 }
 
 #[cfg(test)]

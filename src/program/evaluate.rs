@@ -1,5 +1,7 @@
 //! The interpreter: the reference that every other backend is held against.
 
+use std::ops::Range;
+
 use super::loops::{LoopFault, solve_tear, tear_slope};
 use super::number::{Dual, Number};
 use super::op::{Op, Sources};
@@ -66,14 +68,12 @@ impl Evaluation for Dual {
             tables: from.tables,
             delayed: from.delayed,
         };
-        let mut plain_registers = values(registers);
+        let plain_registers = values(registers);
         let solution = solve_tear(program, index, &plain, &plain_registers, scratch);
-        let own_slope = tear_slope(program, index, &plain, &mut plain_registers, solution, scratch);
+        let own_slope = tear_slope(program, index, &plain, &plain_registers, solution, scratch);
         let entry = &program.loops[index];
         registers[entry.tear.index()] = Dual::constant(solution);
-        for at in entry.tear.index() + 1..=entry.result.index() {
-            registers[at] = program.body[at].apply(from, |register| registers[register.index()]);
-        }
+        program.evaluate_range(entry.tear.index() + 1..entry.result.index() + 1, from, registers, scratch);
         Dual::new(solution, registers[entry.result.index()].slope / (1.0 - own_slope))
     }
 }
@@ -86,8 +86,18 @@ impl Program {
         registers: &mut [N],
         scratch: &mut Scratch,
     ) {
-        for (at, op) in self.body.iter().enumerate() {
-            registers[at] = match *op {
+        self.evaluate_range(0..self.body.len(), from, registers, scratch);
+    }
+
+    fn evaluate_range<N: Evaluation>(
+        &self,
+        range: Range<usize>,
+        from: &Sources<'_, N>,
+        registers: &mut [N],
+        scratch: &mut Scratch,
+    ) {
+        for at in range {
+            registers[at] = match self.body[at] {
                 Op::Tear(index) => N::close(self, index as usize, from, registers, scratch),
                 op => op.apply(from, |register| registers[register.index()]),
             };

@@ -43,7 +43,8 @@ pub(super) fn solve_tear(
     registers: &[f64],
     scratch: &mut Scratch,
 ) -> f64 {
-    let solutions = walk(program, index, from, registers, &mut scratch.pieces);
+    let mut walker = Walker::new(program, index, from, registers, &mut scratch.pieces);
+    let solutions = walker.walk(index, walker.origin);
     if let Solutions::Counted { count: 1, first } = solutions {
         return first[0];
     }
@@ -56,42 +57,104 @@ pub(super) fn tear_slope(
     program: &Program,
     index: usize,
     from: &Sources<'_, f64>,
-    registers: &mut [f64],
+    registers: &[f64],
     solution: f64,
     scratch: &mut Scratch,
 ) -> f64 {
-    follow(program, index, from, registers, solution, &mut scratch.pieces).slope
+    let mut walker = Walker::new(program, index, from, registers, &mut scratch.pieces);
+    let result = walker.follow(index, moving(solution), walker.origin);
+    result.map_or(f64::NAN, |piece| piece.slope)
 }
 
-/// Goes through the tear's range from left to right, piece by piece.
-fn walk(
-    program: &Program,
-    index: usize,
-    from: &Sources<'_, f64>,
-    registers: &[f64],
-    pieces: &mut [Piece],
-) -> Solutions {
-    let (mut begin, mut probe) = (-REFERENCE, -REFERENCE);
-    let mut found = Found::default();
-    loop {
-        let result = follow(program, index, from, registers, probe, pieces);
-        if !result.straight {
-            return Solutions::NotStraight;
+/// A tear that moves to the right.
+fn moving(volts: f64) -> Piece {
+    Piece { slope: 1.0, ..Piece::constant(volts) }
+}
+
+/// Moves the tear of a loop, and those of the loops inside it.
+struct Walker<'a> {
+    program: &'a Program,
+    from: &'a Sources<'a, f64>,
+    /// Voltages from outside the outermost loop.
+    registers: &'a [f64],
+    /// The tear of the outermost loop: from here on voltages are in `pieces`.
+    origin: usize,
+    pieces: &'a mut [Piece],
+}
+
+impl<'a> Walker<'a> {
+    fn new(
+        program: &'a Program,
+        index: usize,
+        from: &'a Sources<'a, f64>,
+        registers: &'a [f64],
+        pieces: &'a mut [Piece],
+    ) -> Self {
+        Walker { program, from, registers, origin: program.loops[index].tear.index(), pieces }
+    }
+
+    /// Goes through a tear's range from left to right, piece by piece; what stands before `frozen` stays.
+    fn walk(&mut self, index: usize, frozen: usize) -> Solutions {
+        let (mut begin, mut probe) = (-REFERENCE, -REFERENCE);
+        let mut found = Found::default();
+        loop {
+            let result = match self.follow(index, moving(probe), frozen) {
+                Ok(result) => result,
+                Err(solutions) => return solutions,
+            };
+            let end = (probe + result.reach).min(REFERENCE);
+            match crossing(result, probe) {
+                Crossing::Everywhere => return Solutions::Range,
+                Crossing::At(tear) if tear >= begin - APART && tear <= end + APART => found.add(tear),
+                _ => {}
+            }
+            if end >= REFERENCE {
+                return Solutions::Counted { count: found.count, first: found.first };
+            }
+            begin = end;
+            probe = end.max(probe) + LEAST_PIECE;
         }
-        if result.value.is_nan() || result.slope.is_nan() {
-            return Solutions::NotANumber;
+    }
+
+    /// The loop's result for a tear; an error where it is not a straight piece.
+    fn follow(&mut self, index: usize, tear: Piece, frozen: usize) -> Result<Piece, Solutions> {
+        let program = self.program;
+        let entry = &program.loops[index];
+        self.pieces[entry.tear.index()] = tear;
+        for at in entry.tear.index() + 1..=entry.result.index() {
+            self.pieces[at] = match program.body[at] {
+                Op::Tear(inner) => self.inner_tear(inner as usize, frozen)?,
+                op => piece(op, self.from, |register| self.get(register, frozen)),
+            };
         }
-        let end = (probe + result.reach).min(REFERENCE);
-        match crossing(result, probe) {
-            Crossing::Everywhere => return Solutions::Range,
-            Crossing::At(tear) if tear >= begin - APART && tear <= end + APART => found.add(tear),
-            _ => {}
+        let result = self.pieces[entry.result.index()];
+        match result {
+            Piece { straight: false, .. } => Err(Solutions::NotStraight),
+            Piece { value, slope, .. } if value.is_nan() || slope.is_nan() => Err(Solutions::NotANumber),
+            _ => Ok(result),
         }
-        if end >= REFERENCE {
-            return Solutions::Counted { count: found.count, first: found.first };
+    }
+
+    fn get(&self, register: usize, frozen: usize) -> Piece {
+        if register < self.origin {
+            Piece::constant(self.registers[register])
+        } else if register < frozen {
+            Piece::constant(self.pieces[register].value)
+        } else {
+            self.pieces[register]
         }
-        begin = end;
-        probe = end.max(probe) + LEAST_PIECE;
+    }
+
+    /// The tear of a loop inside this one, and how it moves with the outer: dy = dF / (1 - dF/dy).
+    fn inner_tear(&mut self, index: usize, frozen: usize) -> Result<Piece, Solutions> {
+        let own = self.program.loops[index].tear.index();
+        let solution = match self.walk(index, own) {
+            Solutions::Counted { count: 1, first } => first[0],
+            other => return Err(other),
+        };
+        let by_itself = self.follow(index, moving(solution), own)?.slope;
+        let by_the_outer = self.follow(index, Piece::constant(solution), frozen)?.slope;
+        Ok(Piece { slope: by_the_outer / (1.0 - by_itself), ..Piece::constant(solution) })
     }
 }
 
@@ -129,26 +192,6 @@ impl Found {
         self.count += 1;
         self.last = Some(tear);
     }
-}
-
-/// The loop's result when the tear stands at `probe` and moves to the right.
-fn follow(
-    program: &Program,
-    index: usize,
-    from: &Sources<'_, f64>,
-    registers: &[f64],
-    probe: f64,
-    pieces: &mut [Piece],
-) -> Piece {
-    let entry = &program.loops[index];
-    let first = entry.tear.index();
-    pieces[first] = Piece { slope: 1.0, ..Piece::constant(probe) };
-    for at in first + 1..=entry.result.index() {
-        pieces[at] = piece(program.body[at], from, |register: usize| {
-            if register >= first { pieces[register] } else { Piece::constant(registers[register]) }
-        });
-    }
-    pieces[entry.result.index()]
 }
 
 /// One operation inside a loop: what it reads from outside stands still.

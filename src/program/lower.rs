@@ -72,18 +72,20 @@ impl<'c> Lowering<'c> {
 
     fn outputs(&mut self) {
         let circuit = self.circuit;
-        for stage in circuit.stages() {
-            match stage {
-                Stage::Element(element) => self.output(*element),
-                Stage::Loop(members) => self.close_loop(members),
-            }
-        }
+        circuit.stages().iter().for_each(|stage| self.stage(stage));
         self.program.elements = (self.circuit.elements().iter().zip(&self.outputs))
             .map(|(element, register)| Outlet {
                 name: element.name.clone(),
                 register: register.expect("every element stands in one stage"),
             })
             .collect();
+    }
+
+    fn stage(&mut self, stage: &Stage) {
+        match stage {
+            Stage::Element(element) => self.output(*element),
+            Stage::Loop { opened, inside } => self.close_loop(stage, *opened, inside),
+        }
     }
 
     fn output(&mut self, element: usize) {
@@ -104,16 +106,16 @@ impl<'c> Lowering<'c> {
         self.maximum(below, lower)
     }
 
-    /// Emits a loop's members, the last of which opens it.
-    fn close_loop(&mut self, members: &[usize]) {
-        let Some(&last) = members.last() else { return };
-        let index = self.program.loops.len() as u32;
-        let tear = self.emit(Op::Tear(index));
-        self.outputs[last] = Some(tear);
-        members.iter().for_each(|member| self.output(*member));
-        let names = members.iter().map(|member| self.circuit.element(*member).name.clone());
-        let result = self.outputs[last].unwrap_or(tear);
-        self.program.loops.push(Loop { tear, result, members: names.collect() });
+    /// Emits a loop: its tear, what is inside, and the element that opens it.
+    fn close_loop(&mut self, stage: &Stage, opened: usize, inside: &[Stage]) {
+        let index = self.program.loops.len();
+        let tear = self.emit(Op::Tear(index as u32));
+        let names = stage.members().into_iter().map(|member| self.circuit.element(member).name.clone());
+        self.program.loops.push(Loop { tear, result: tear, members: names.collect() });
+        self.outputs[opened] = Some(tear);
+        inside.iter().for_each(|stage| self.stage(stage));
+        self.output(opened);
+        self.program.loops[index].result = self.outputs[opened].unwrap_or(tear);
     }
 
     fn memories(&mut self) {
