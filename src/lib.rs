@@ -21,7 +21,6 @@
 #![warn(missing_docs)]
 
 pub mod circuit;
-pub mod cli;
 pub mod elements;
 pub mod instruments;
 pub mod machines;

@@ -1,7 +1,9 @@
 //! The command `patchcord`.
 
+mod cli;
+
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    patchcord::cli::main()
+    cli::main()
 }

@@ -7,10 +7,10 @@ use super::failure::Failure;
 use super::load::{Loaded, PatchArguments, parameters_json};
 use super::table::Table;
 use super::{say, say_json};
-use crate::circuit::{Circuit, ScalingRow};
-use crate::patch::Report;
-use crate::program::Program;
-use crate::solve::Machine;
+use patchcord::circuit::{Circuit, ScalingRow};
+use patchcord::patch::Report;
+use patchcord::program::Program;
+use patchcord::solve::Machine;
 
 #[derive(Args)]
 pub(super) struct Arguments {

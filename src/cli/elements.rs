@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 use super::failure::Failure;
 use super::table::Table;
 use super::{say, say_json};
-use crate::elements::{Default, Family, Input, Jacks, Kind, Measure, REGISTRY, Setting};
-use crate::patch::{json_schema, suggestion};
+use patchcord::elements::{Default, Family, Input, Jacks, Kind, Measure, REGISTRY, Setting};
+use patchcord::patch::{json_schema, suggestion};
 
 #[derive(Args)]
 pub(super) struct Arguments {

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 
 use super::{errors_in_colour, say_json, tell};
-use crate::patch::{PatchError, Report};
+use patchcord::patch::{PatchError, Report};
 
 /// What is told, and whose fault it is.
 pub(super) struct Failure {
@@ -105,8 +105,8 @@ impl From<PatchError> for Failure {
     }
 }
 
-impl From<crate::solve::RunError> for Failure {
-    fn from(error: crate::solve::RunError) -> Self {
+impl From<patchcord::solve::RunError> for Failure {
+    fn from(error: patchcord::solve::RunError) -> Self {
         Failure::data(error.to_string())
     }
 }

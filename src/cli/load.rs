@@ -6,10 +6,10 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::failure::{Failure, tell_report};
-use crate::circuit::Circuit;
-use crate::instruments::Display;
-use crate::patch::Patch;
-use crate::program::Program;
+use patchcord::circuit::Circuit;
+use patchcord::instruments::Display;
+use patchcord::patch::Patch;
+use patchcord::program::Program;
 
 /// The patch and its parameters.
 #[derive(Args)]

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 
 use super::failure::Failure;
 use super::{say, say_json};
-use crate::machines::{ALL, Machine, Part, REFERENCE};
+use patchcord::machines::{ALL, Machine, Part, REFERENCE};
 
 #[derive(Args)]
 pub(super) struct Arguments {

@@ -10,12 +10,12 @@ use super::failure::Failure;
 use super::load::{Loaded, PatchArguments, parameter_line, parameters_json};
 use super::table::Table;
 use super::{say, say_json};
-use crate::circuit::Circuit;
-use crate::instruments::{self, Display, Reading};
-use crate::patch::write_whole;
-use crate::plot::{self, Format, Picture, Size};
-use crate::solve::{self, Overload, RunError, RunSettings};
-use crate::trace::Trace;
+use patchcord::circuit::Circuit;
+use patchcord::instruments::{self, Display, Reading};
+use patchcord::patch::write_whole;
+use patchcord::plot::{self, Format, Picture, Size};
+use patchcord::solve::{self, Overload, RunError, RunSettings};
+use patchcord::trace::Trace;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 impl Arguments {
     fn settings(&self, circuit: &Circuit) -> Result<RunSettings, Failure> {
         let mut plan = circuit.run_plan().clone();
-        let given = |value| crate::patch::Placed { value, span: crate::patch::Span::default() };
+        let given = |value| patchcord::patch::Placed { value, span: patchcord::patch::Span::default() };
         plan.duration = self.duration.map(given).or(plan.duration);
         plan.step = self.step.map(given).or(plan.step);
         plan.every = self.every.map(given).or(plan.every);
@@ -103,7 +103,7 @@ impl Arguments {
         let known: Vec<&str> = circuit.signals().iter().map(|point| point.name.as_str()).collect();
         for name in &self.record {
             if !known.contains(&name.as_str()) {
-                let hint = crate::patch::suggestion(name, &known).unwrap_or_default();
+                let hint = patchcord::patch::suggestion(name, &known).unwrap_or_default();
                 return Err(Failure::usage(format!("there is no signal {name} to record; {hint}")));
             }
         }

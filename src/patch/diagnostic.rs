@@ -183,7 +183,7 @@ impl fmt::Display for Report {
 impl std::error::Error for Report {}
 
 /// "did you mean" for a mistyped name, or else the list of what is known.
-pub(crate) fn suggestion(name: &str, known: &[&str]) -> Option<String> {
+pub fn suggestion(name: &str, known: &[&str]) -> Option<String> {
     if let Some(near) = nearest(name, known.iter().copied()) {
         return Some(format!("did you mean \"{near}\"?"));
     }
