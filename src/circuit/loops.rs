@@ -86,3 +86,40 @@ fn tangled(graph: &Graph, members: impl Iterator<Item = usize>) -> Diagnostic {
     let hint = Some("put an integrator or a lag into some of them".to_owned());
     Diagnostic { code: Code::LoopTooTangled, span, message, hint }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::circuit::Circuit;
+    use crate::patch::{ElementBuilder, PatchBuilder};
+
+    /// Summers that each read some of the others.
+    fn stages_of(wiring: &[(&str, &[&str])]) -> Vec<Vec<String>> {
+        let builder = wiring.iter().fold(PatchBuilder::new("loops"), |builder, (name, from)| {
+            builder.element(name, ElementBuilder::new("summer").set("in", serde_json::json!({ "x1": from })))
+        });
+        let circuit =
+            Circuit::new(&builder.build().unwrap(), &[]).unwrap_or_else(|report| panic!("{report}"));
+        let named = |stage: &Stage| {
+            stage.members().into_iter().map(|member| circuit.element(member).name.clone()).collect::<Vec<_>>()
+        };
+        circuit.stages().iter().map(named).filter(|names| names.len() > 1).collect()
+    }
+
+    #[test]
+    fn drivers_come_before_what_they_drive() {
+        assert!(stages_of(&[("A", &["B"]), ("B", &["C"]), ("C", &["+100"])]).is_empty());
+    }
+
+    #[test]
+    fn a_ring_is_opened_at_its_first_amplifier() {
+        let stages = stages_of(&[("A", &["C"]), ("B", &["A"]), ("C", &["B", "+100"])]);
+        assert_eq!(stages, [["B", "C", "A"]]);
+    }
+
+    #[test]
+    fn a_summer_in_two_rings_opens_both() {
+        let stages = stages_of(&[("B", &["A"]), ("A", &["B", "C"]), ("C", &["A"])]);
+        assert_eq!(stages[0].last().unwrap(), "A");
+    }
+}

@@ -213,3 +213,53 @@ impl Block {
         pairs
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patch::{ElementBuilder, Patch, PatchBuilder};
+
+    /// Position and velocity of a mass, with a pot between them that should stand for k / m.
+    fn patch(setting: &str) -> Patch {
+        PatchBuilder::new("spring")
+            .time_scale(10.0)
+            .parameter("k", 40.0, "N/m", [1.0, 100.0])
+            .parameter("m", 2.0, "kg", [1.0, 10.0])
+            .scale("position", 1.0, "mm")
+            .scale("velocity", 20.0, "mm/s")
+            .element("A1", ElementBuilder::new("integrator").cords("x10", ["P1"]))
+            .element("A2", ElementBuilder::new("integrator").cords("x1", ["P2"]))
+            .element(
+                "P2",
+                ElementBuilder::new("pot")
+                    .cord("in", "A1")
+                    .set("setting", "velocity / position / 10 / time_scale"),
+            )
+            .element("P1", ElementBuilder::new("pot").cord("in", "A2").set("setting", setting))
+            .signal("v", "A1", "velocity", 1.0)
+            .signal("x", "A2", "position", -1.0)
+            .build()
+            .unwrap()
+    }
+
+    fn row(setting: &str, output: &str) -> ScalingRow {
+        let circuit = Circuit::new(&patch(setting), &[]).unwrap_or_else(|report| panic!("{report}"));
+        circuit.scaling().into_iter().find(|row| row.output == output).unwrap()
+    }
+
+    #[test]
+    fn a_gain_that_is_off_is_found() {
+        let right = row("k / m * position / velocity / 10 / time_scale", "v");
+        assert_eq!(right.block.as_deref(), Some("k / m"));
+        assert!(right.difference().unwrap().abs() < 1e-12);
+        assert!((right.block_gain - 20.0).abs() < 1e-9, "{right:?}");
+    }
+
+    #[test]
+    fn integrating_velocity_into_position_has_a_block_gain_of_1() {
+        // The pot in front of A2 lacks a factor of 10 on purpose: the wiring gives a tenth of what is asked for.
+        let row = row("k / m * position / velocity / 10 / time_scale", "x");
+        assert_eq!(row.block.as_deref(), Some("1"));
+        assert!((row.difference().unwrap() + 0.9).abs() < 1e-9, "{row:?}");
+    }
+}

@@ -1,6 +1,6 @@
 //! Signals: where quantities are read, what is recorded and drawn.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use super::SignalPoint;
 use super::resolve::{Graph, find_scale};
@@ -77,14 +77,39 @@ fn record(patch: &Patch, points: &[SignalPoint], findings: &mut Vec<Diagnostic>)
 
 fn pictures(patch: &Patch, points: &[SignalPoint], findings: &mut Vec<Diagnostic>) {
     for picture in &patch.pictures {
-        let shown = picture.y.iter().chain([&picture.x]).filter(|name| name.value != "t");
-        for name in shown {
-            recordable(name, points, findings);
+        if picture.x.value != "t" {
+            recordable(&picture.x, points, findings);
+        }
+        let shown: Vec<_> = picture.y.iter().map(|name| unit_shown(patch, name, points, findings)).collect();
+        let units: BTreeSet<&str> = shown.iter().flatten().map(String::as_str).collect();
+        if units.len() > 2 {
+            let units: Vec<_> = units.into_iter().collect();
+            let message = format!(
+                "the picture shows {} units, {}, and has two axes for them",
+                units.len(),
+                units.join(", ")
+            );
+            let hint = "draw a second picture";
+            findings.push(Diagnostic::at(Code::UnitMismatch, picture.y[0].span, message).hint(hint));
         }
         if picture.y.is_empty() {
             findings.push(Diagnostic::at(Code::MissingKey, picture.x.span, "the picture shows no signal"));
         }
     }
+}
+
+/// The unit of a signal that a picture shows; none for time.
+fn unit_shown(
+    patch: &Patch,
+    name: &Placed<String>,
+    points: &[SignalPoint],
+    findings: &mut Vec<Diagnostic>,
+) -> Option<String> {
+    if name.value == "t" {
+        return Some("s".to_owned());
+    }
+    let point = &points[recordable(name, points, findings)?];
+    Some(point.scale.map_or("V".to_owned(), |scale| patch.scales[scale].unit.text().to_owned()))
 }
 
 fn recordable(
