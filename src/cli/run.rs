@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return say_json(&document(&circuit, &settings, trace, &files));
     }
     say(&readings_table(&circuit, trace))?;
-    say(&overloads_told(trace))?;
+    say(&format!("\n{}{}", work_told(trace), overloads_told(trace)))?;
     say(&files.told())
 }
 
@@ -215,6 +215,12 @@ fn readings_table(circuit: &Circuit, trace: &Trace) -> String {
     format!("{title}\n{}\n\n{}", parameter_line(circuit), table.text())
 }
 
+fn work_told(trace: &Trace) -> String {
+    let steps: u64 = trace.sweeps.iter().map(|sweep| sweep.work.steps).sum();
+    let changes: u64 = trace.sweeps.iter().map(|sweep| sweep.work.changes).sum();
+    format!("{steps} steps, {changes} changes of mode\n")
+}
+
 fn overloads_told(trace: &Trace) -> String {
     let mut text = String::new();
     for (number, sweep) in trace.sweeps.iter().enumerate() {
@@ -226,7 +232,7 @@ fn overloads_told(trace: &Trace) -> String {
             text += &format!("{which}held at t = {:.6} s\n", sweep.end);
         }
     }
-    if text.is_empty() { "\nno overload\n".to_owned() } else { format!("\n{text}") }
+    if text.is_empty() { "no overload\n".to_owned() } else { text }
 }
 
 fn overload_told(overload: &Overload) -> String {
@@ -253,6 +259,8 @@ fn document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files: &Fi
         "readings": instruments::readings(trace).iter().map(reading_json).collect::<Value>(),
         "sweeps": trace.sweeps.iter().map(|sweep| json!({
             "end": sweep.end,
+            "steps": sweep.work.steps,
+            "changes": sweep.work.changes,
             "held": sweep.held,
             "overloads": sweep.overloads.iter().map(overload_json).collect::<Value>(),
         })).collect::<Value>(),

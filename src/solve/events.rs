@@ -57,6 +57,7 @@ impl Machine<'_> {
 
     fn carry_out(&mut self, mode: usize, transition: usize) {
         let transition = &self.program.modes[mode].transitions[transition];
+        self.work.changes += 1;
         self.modes[mode] = transition.to;
         if let Some(reset) = transition.reset {
             self.states[reset.state as usize] = self.registers[reset.to.index()];

@@ -18,6 +18,15 @@ pub enum MachineMode {
     Hold,
 }
 
+/// What a run took.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Work {
+    /// Steps, those shortened to meet a change of mode counted too.
+    pub steps: u64,
+    /// Changes of mode.
+    pub changes: u64,
+}
+
 /// States smaller than this, in volts, are 0: processors are slow on the smallest numbers.
 const SMALLEST: f64 = 1e-100;
 
@@ -48,6 +57,7 @@ pub struct Machine<'p> {
     scratch: Scratch,
     lamps: Vec<Option<Lit>>,
     mode: MachineMode,
+    pub(super) work: Work,
     step: f64,
     grid: Grid,
     /// Grid steps since the last initial condition, and where the grid began.
@@ -93,6 +103,7 @@ impl<'p> Machine<'p> {
             scratch: Scratch::new(program),
             lamps: vec![None; program.elements.len()],
             mode: MachineMode::InitialCondition,
+            work: Work::default(),
             step,
             grid: Grid::new(step),
             steps: 0,
@@ -120,6 +131,7 @@ impl<'p> Machine<'p> {
         }
         self.lines.iter_mut().for_each(DelayLine::clear);
         self.lamps.fill(None);
+        self.work = Work::default();
         self.evaluate();
         self.remember_delays();
         self.settle(0)?;
@@ -241,6 +253,11 @@ impl<'p> Machine<'p> {
         overload::history(self.program, &self.lamps)
     }
 
+    /// What has been done since the last initial condition.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+
     /// Whether any lamp is lit.
     pub fn is_overloaded(&self) -> bool {
         self.lamps.iter().any(Option::is_some)
@@ -320,6 +337,7 @@ impl<'p> Machine<'p> {
 
     /// Makes what was looked at the present.
     pub(super) fn accept(&mut self, time: f64, after: &mut impl FnMut(&mut Self)) -> Result<(), RunError> {
+        self.work.steps += 1;
         self.last.time = self.time;
         self.last.states.copy_from_slice(&self.states);
         self.last.rates.copy_from_slice(&self.rates[0]);

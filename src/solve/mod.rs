@@ -10,6 +10,6 @@ mod rk4;
 mod run;
 
 pub use error::RunError;
-pub use machine::{Machine, MachineMode};
+pub use machine::{Machine, MachineMode, Work};
 pub use overload::Overload;
 pub use run::{RunSettings, run};

@@ -157,6 +157,7 @@ impl Recorder {
         if let Some(sweep) = self.trace.sweeps.last_mut() {
             sweep.overloads = machine.overloads();
             sweep.end = machine.time();
+            sweep.work = machine.work();
             sweep.held = machine.mode() == super::MachineMode::Hold;
         }
     }

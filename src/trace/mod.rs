@@ -4,7 +4,7 @@ mod csv;
 
 pub use self::csv::CsvError;
 
-use crate::solve::Overload;
+use crate::solve::{Overload, Work};
 
 /// A recorded run, or several of them one after the other (repetitive operation).
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -37,6 +37,8 @@ pub struct Sweep {
     pub first: usize,
     /// When it ended, in problem seconds.
     pub end: f64,
+    /// What it took.
+    pub work: Work,
     /// Whether an overload put the machine into hold.
     pub held: bool,
     /// The lamps that lit, in their order.
