@@ -8,7 +8,9 @@ use super::scope::Quantities;
 use super::{Circuit, Cord, Element, inventory, loops, names, settings, signals};
 use crate::elements::{Jacks, Kind, Output, REFERENCE, REFERENCES};
 use crate::machines::{self, Machine};
-use crate::patch::{Amount, Code, Diagnostic, Entry, Formula, Patch, Placed, Plug, Report, Span, suggestion};
+use crate::patch::{
+    Amount, Code, Diagnostic, Entry, Formula, Patch, Placed, Plug, Report, Span, any_error, suggestion,
+};
 
 pub(super) type Graph = DiGraph<Element, Cord>;
 
@@ -18,11 +20,15 @@ pub(super) fn circuit(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
     let machine = machine(patch, &mut findings);
     let quantities = Quantities::new(patch, changes, &mut findings);
     let graph = graph(patch, machine, &mut findings);
-    settings::check(patch, &quantities, &graph, &mut findings);
+    let cords = if any_error(&findings) { settings::Cords::Doubtful } else { settings::Cords::Known };
+    settings::check(patch, &quantities, &graph, cords, &mut findings);
     let used = inventory::check(patch, machine, &mut findings);
     let (points, record) = signals::resolve(patch, &graph, &mut findings);
     let stages = loops::stages(&graph, &mut findings);
-    unused(&graph, &points, &mut findings);
+    // An element that nothing reads is often the other end of what was just reported.
+    if !any_error(&findings) {
+        unused(&graph, &points, &mut findings);
+    }
     let report = Report::new(patch.file(), patch.text(), findings);
     if report.has_errors() {
         return Err(Box::new(report));
@@ -65,7 +71,7 @@ fn graph(patch: &Patch, machine: &Machine, findings: &mut Vec<Diagnostic>) -> Gr
         places.insert(name.as_str(), graph.add_node(element(patch, name, entry, findings)));
     }
     for (name, entry) in &patch.elements {
-        let cords = Cords { name, entry, machine, places: &places };
+        let cords = Cords { patch, name, entry, machine, places: &places };
         cords.plug_in(&mut graph, findings);
     }
     graph
@@ -94,7 +100,7 @@ pub(super) fn find_scale(
     findings: &mut Vec<Diagnostic>,
 ) -> Option<usize> {
     let found = patch.scales.get_index_of(&name.value);
-    if found.is_none() {
+    if found.is_none() && !patch.lost().may_hold(&name.value) {
         let known: Vec<_> = patch.scales.keys().map(String::as_str).collect();
         let message = format!("there is no scale {}", name.value);
         let hint = suggestion(&name.value, &known);
@@ -105,6 +111,7 @@ pub(super) fn find_scale(
 
 /// The cords of one element.
 struct Cords<'a> {
+    patch: &'a Patch,
     name: &'a str,
     entry: &'a Entry,
     machine: &'a Machine,
@@ -113,32 +120,45 @@ struct Cords<'a> {
 
 impl Cords<'_> {
     fn plug_in(&self, graph: &mut Graph, findings: &mut Vec<Diagnostic>) {
-        let mut plugged = vec![Vec::new(); self.entry.kind.inputs.len()];
-        for plug in &self.entry.plugs {
-            let Some((input, gain)) = self.jack(&plug.jack, findings) else { continue };
-            plugged[input].push(plug);
-            if let Some(from) = self.driver(plug, findings) {
-                graph.add_edge(from, self.places[self.name], Cord { input, gain });
+        let inputs = self.entry.kind.inputs.len();
+        let (mut plugged, mut empty) = (vec![Vec::new(); inputs], vec![None; inputs]);
+        // A cord that could not be understood may be the one that an input lacks.
+        let mut doubtful = self.entry.doubtful;
+        for plugs in self.entry.plugs.chunk_by(|one, next| one.jack.span == next.jack.span) {
+            match self.jack(&plugs[0].jack, findings) {
+                Some((input, gain)) => {
+                    self.connect(plugs, Cord { input, gain }, graph, findings);
+                    plugged[input].extend(plugs);
+                }
+                None => doubtful = true,
             }
         }
-        let mut empty = vec![None; plugged.len()];
         for jack in &self.entry.empty_jacks {
-            if let Some((input, _)) = self.jack(jack, findings) {
-                empty[input] = Some(jack.span);
+            match self.jack(jack, findings) {
+                Some((input, _)) => empty[input] = Some(jack.span),
+                None => doubtful = true,
             }
         }
         for (input, plugs) in plugged.iter().enumerate() {
-            self.count(input, plugs, empty[input], findings);
+            self.not_too_many(input, plugs, findings);
+            if !doubtful {
+                self.enough(input, plugs, empty[input], findings);
+            }
+        }
+    }
+
+    /// Plugs in the cords of one jack.
+    fn connect(&self, plugs: &[Plug], cord: Cord, graph: &mut Graph, findings: &mut Vec<Diagnostic>) {
+        for plug in plugs {
+            if let Some(from) = self.driver(plug, findings) {
+                graph.add_edge(from, self.places[self.name], cord);
+            }
         }
     }
 
     /// The input and gain of a jack by its name.
     fn jack(&self, jack: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<(usize, f64)> {
         let kind = self.entry.kind;
-        // A bare list on an amplifier was reported when it was read; it stands for the input itself.
-        if let Some(input) = kind.inputs.iter().position(|input| input.name == jack.value) {
-            return Some((input, 1.0));
-        }
         let found = kind.input(&jack.value);
         match found {
             None => findings.push(self.unknown_jack(jack)),
@@ -149,7 +169,7 @@ impl Cords<'_> {
 
     fn unknown_jack(&self, jack: &Placed<String>) -> Diagnostic {
         let message =
-            format!("{} is a {} and has no input \"{}\"", self.name, self.entry.kind.name, jack.value);
+            format!("{} (kind {}) has no input \"{}\"", self.name, self.entry.kind.name, jack.value);
         let jacks: Vec<_> =
             self.entry.kind.inputs.iter().map(|input| jack_names(input.name, input.jacks)).collect();
         let known =
@@ -164,14 +184,14 @@ impl Cords<'_> {
         }
         let known: Vec<_> = gains.iter().map(|gain| format!("x{gain}")).collect();
         let message =
-            format!("the {} has no input gain x{gain} on a {}", self.machine.name, self.entry.kind.name);
+            format!("the {} has no {} with an input gain x{gain}", self.machine.name, self.entry.kind.name);
         let hint = format!("it has {}: put a pot in front of one of these", known.join(", "));
         findings.push(Diagnostic::at(Code::MissingGain, jack.span, message).hint(hint));
     }
 
     fn driver(&self, plug: &Plug, findings: &mut Vec<Diagnostic>) -> Option<NodeIndex> {
         let found = self.places.get(plug.from.value.as_str()).copied();
-        if found.is_none() {
+        if found.is_none() && !self.patch.lost().may_hold(&plug.from.value) {
             let mut known: Vec<_> = self.places.keys().copied().collect();
             known.sort_unstable();
             let message =
@@ -182,10 +202,9 @@ impl Cords<'_> {
         found
     }
 
-    /// Holds the number of cords of an input against its jacks.
-    fn count(&self, input: usize, plugs: &[&Plug], empty: Option<Span>, findings: &mut Vec<Diagnostic>) {
-        let row = &self.entry.kind.inputs[input];
-        let allowed = match row.jacks {
+    /// Reports cords for which an input has no jacks.
+    fn not_too_many(&self, input: usize, plugs: &[&Plug], findings: &mut Vec<Diagnostic>) {
+        let allowed = match self.entry.kind.inputs[input].jacks {
             Jacks::One => 1,
             Jacks::Exactly(count) => count,
             Jacks::Any | Jacks::Gains => usize::MAX,
@@ -193,6 +212,11 @@ impl Cords<'_> {
         if let Some(extra) = plugs.get(allowed) {
             findings.push(self.too_many(input, plugs, extra));
         }
+    }
+
+    /// Reports an input that lacks cords.
+    fn enough(&self, input: usize, plugs: &[&Plug], empty: Option<Span>, findings: &mut Vec<Diagnostic>) {
+        let row = &self.entry.kind.inputs[input];
         let least = if let Jacks::Exactly(count) = row.jacks { count } else { 1 };
         if (row.required || empty.is_some()) && plugs.len() < least {
             let span = plugs.first().map(|plug| plug.from.span).or(empty).unwrap_or(self.entry.span);

@@ -1,7 +1,8 @@
 //! The quantities that formulas may name: parameters, scales, the time scale.
 
 use crate::patch::{
-    Code, Diagnostic, Dimension, Formula, FormulaMeasure, Patch, Placed, Scope, Unit, suggestion,
+    Code, Diagnostic, Dimension, Formula, FormulaError, FormulaMeasure, Lost, Parameter, Patch, Placed,
+    Scope, Span, Unit, suggestion, told,
 };
 
 /// Name under which formulas reach the machine seconds per problem second.
@@ -14,6 +15,7 @@ pub struct Quantities {
     scales: Vec<Named>,
     formulas: Vec<Formula>,
     time_scale: f64,
+    lost: Lost,
 }
 
 #[derive(Debug, Clone)]
@@ -32,6 +34,7 @@ impl Quantities {
             scales: Vec::new(),
             formulas: Vec::new(),
             time_scale: patch.time_scale,
+            lost: patch.lost().clone(),
         };
         quantities.work_out_scales(patch, findings);
         quantities
@@ -82,10 +85,49 @@ impl Quantities {
                 self.scales[index].value = self.checked_scale(index, per_volt, findings);
             }
         }
-        for index in left {
-            let message = format!("the scale {} depends on itself", self.scales[index].name);
-            findings.push(Diagnostic::at(Code::BadFormula, patch.scales[index].span, message));
+        self.report_rings(patch, &left, findings);
+    }
+
+    /// Reports scales that depend on themselves, each ring of them once.
+    fn report_rings(&self, patch: &Patch, left: &[usize], findings: &mut Vec<Diagnostic>) {
+        let mut reported = Vec::new();
+        for index in left.iter().copied().filter(|index| self.leads_to(*index).contains(index)) {
+            if reported.contains(&index) {
+                continue;
+            }
+            let ring =
+                self.leads_to(index).into_iter().filter(|other| self.leads_to(*other).contains(&index));
+            let ring: Vec<_> = ring.collect();
+            findings.push(self.ring(patch, index, &ring));
+            reported.extend(ring);
         }
+    }
+
+    /// The scales that a scale names, and those that these name.
+    fn leads_to(&self, index: usize) -> Vec<usize> {
+        let mut reached = Vec::new();
+        let mut next = vec![index];
+        while let Some(index) = next.pop() {
+            let names = self.formulas[index].names();
+            let named =
+                (0..self.scales.len()).filter(|other| names.contains(&self.scales[*other].name.as_str()));
+            let new: Vec<_> = named.filter(|other| !reached.contains(other)).collect();
+            reached.extend(&new);
+            next.extend(new);
+        }
+        reached
+    }
+
+    fn ring(&self, patch: &Patch, index: usize, ring: &[usize]) -> Diagnostic {
+        let names: Vec<_> = ring.iter().map(|index| self.scales[*index].name.as_str()).collect();
+        let message = match names.as_slice() {
+            [only] => format!("the scale {only} depends on itself"),
+            names => format!("the scales {} depend on each other", names.join(", ")),
+        };
+        let scale = &patch.scales[index];
+        let span = scale.per_volt.as_ref().map_or(scale.span, |placed| placed.span);
+        Diagnostic::at(Code::BadFormula, span, message)
+            .hint("give one of them as a number, or by parameters alone")
     }
 
     fn is_ready(&self, index: usize, left: &[usize]) -> bool {
@@ -104,11 +146,13 @@ impl Quantities {
             self.checked(placed, |found| found == wanted, &in_unit(&self.scales[index].unit), findings)?;
         let value = if self.is_plain(&placed.value) { self.scales[index].unit.to_si(value) } else { value };
         if value == 0.0 {
-            findings.push(Diagnostic::at(
-                Code::BadNumber,
-                placed.span,
-                "a scale of 0 per volt measures nothing",
-            ));
+            let message = "a scale of 0 per volt measures nothing";
+            let hint = "per_volt is what one volt stands for";
+            findings.push(Diagnostic::at(Code::BadNumber, placed.span, message).hint(hint));
+            return None;
+        }
+        if !value.is_finite() {
+            findings.push(too_large(&placed.value, placed.span));
             return None;
         }
         Some(value)
@@ -131,22 +175,43 @@ impl Quantities {
         if self.names_unknown_value(formula) {
             return None;
         }
-        let measured = formula.dimension(self).and_then(|measure| Ok((measure, formula.evaluate(self)?)));
-        let (measure, value) =
-            measured.map_err(|error| findings.push(formula_finding(placed, error))).ok()?;
+        let measured = formula.dimension(self);
+        let measure = measured.map_err(|error| findings.push(self.misfit(placed, error))).ok()?;
         if let FormulaMeasure::Of(found) = measure
             && !fits(found)
         {
-            let message = format!("{} is in {found}, and {wanted} is wanted here", formula.text());
-            findings.push(Diagnostic::at(Code::UnitMismatch, placed.span, message));
+            let message = format!("{} {}, and {wanted} is wanted here", formula.text(), measured_in(found));
+            let hint = if fits(Dimension::NONE) { self.divisor(found) } else { None };
+            findings.push(Diagnostic::at(Code::UnitMismatch, placed.span, message).maybe_hint(hint));
             return None;
         }
-        Some(value)
+        let value = formula.evaluate(self);
+        value.map_err(|error| findings.push(in_formula(Code::BadFormula, placed, error))).ok()
+    }
+
+    /// A formula whose unit cannot be told: it names something unknown, or its units do not agree.
+    fn misfit(&self, placed: &Placed<Formula>, error: FormulaError) -> Diagnostic {
+        let guilty = placed.value.text().get(error.range.clone()).unwrap_or_default();
+        let is_name = placed.value.names().contains(&guilty) && self.dimension(guilty).is_none();
+        if !is_name {
+            return in_formula(Code::UnitMismatch, placed, error);
+        }
+        let hint = error.hint.clone().or_else(|| suggestion(guilty, &self.names()));
+        in_formula(Code::UnknownName, placed, error).maybe_hint(hint)
+    }
+
+    /// What to divide by to be left with a pure number, where a scale does it.
+    fn divisor(&self, found: Dimension) -> Option<String> {
+        let scale = self.scales.iter().find(|scale| scale.unit.dimension() == found)?;
+        Some(format!("divide it by the scale {}: that leaves volts", scale.name))
     }
 
     /// Whether a name stands for something that was itself reported as wrong.
     fn names_unknown_value(&self, formula: &Formula) -> bool {
-        formula.names().iter().any(|name| self.find(name).is_some_and(|named| named.value.is_none()))
+        formula.names().iter().any(|name| match self.find(name) {
+            Some(named) => named.value.is_none(),
+            None => self.lost.may_hold(name) && *name != TIME_SCALE,
+        })
     }
 
     fn find(&self, name: &str) -> Option<&Named> {
@@ -158,13 +223,20 @@ fn in_unit(unit: &Unit) -> String {
     unit.dimension().to_string()
 }
 
-/// A formula's own error, at its place in the document.
-pub(super) fn formula_finding(placed: &Placed<Formula>, error: crate::patch::FormulaError) -> Diagnostic {
+fn measured_in(dimension: Dimension) -> String {
+    if dimension.is_none() { "is a pure number".to_owned() } else { format!("is in {dimension}") }
+}
+
+/// A formula's own error, at its place in the document. Only a formula in quotes can have one.
+fn in_formula(code: Code, placed: &Placed<Formula>, error: FormulaError) -> Diagnostic {
     let inside = error.range.start + 1..error.range.end + 1;
-    let span = if placed.value.names().is_empty() { placed.span } else { placed.span.part(&inside) };
-    let unit_error = [" is in ", " is a pure number"].iter().any(|words| error.message.contains(words));
-    let code = if unit_error { Code::UnitMismatch } else { Code::BadFormula };
-    Diagnostic::at(code, span, error.message).maybe_hint(error.hint)
+    Diagnostic::at(code, placed.span.part(&inside), error.message).maybe_hint(error.hint)
+}
+
+/// A number that overflows where it is brought to SI units or volts.
+pub(super) fn too_large(formula: &Formula, span: Span) -> Diagnostic {
+    let message = format!("{} is too large to reckon with here", formula.text());
+    Diagnostic::at(Code::NotFinite, span, message).hint("look for a wrong power of ten, here or in a scale")
 }
 
 impl Scope for Quantities {
@@ -197,8 +269,8 @@ fn parameters(patch: &Patch, changes: &[(String, f64)], findings: &mut Vec<Diagn
     let named = patch.parameters.iter().map(|(name, parameter)| {
         let change = changes.iter().rev().find(|(changed, _)| changed == name).map(|(_, value)| *value);
         let value = change.unwrap_or(parameter.value);
-        let place = change.is_none().then_some(parameter.span);
-        let fine = in_range(name, value, parameter.range, parameter.unit.text(), place, findings);
+        let place = change.is_none().then_some(parameter.value_span);
+        let fine = in_range(name, value, parameter, place, findings);
         Named {
             name: name.clone(),
             unit: parameter.unit.clone(),
@@ -211,17 +283,20 @@ fn parameters(patch: &Patch, changes: &[(String, f64)], findings: &mut Vec<Diagn
 fn in_range(
     name: &str,
     value: f64,
-    range: Option<(f64, f64)>,
-    unit: &str,
-    span: Option<crate::patch::Span>,
+    parameter: &Parameter,
+    span: Option<Span>,
     findings: &mut Vec<Diagnostic>,
 ) -> bool {
-    if !value.is_finite() {
-        let message = format!("{name} is set to {value}, which is not a number");
-        findings.push(Diagnostic { code: Code::NotFinite, span, message, hint: None });
+    let unit = parameter.unit.text();
+    if !parameter.unit.to_si(value).is_finite() {
+        let message = format!("{name} is set to {value} {unit}, which cannot be reckoned with");
+        let hint = Some("every number of a patch must be finite".to_owned());
+        findings.push(Diagnostic { code: Code::NotFinite, span, message, hint });
         return false;
     }
-    let Some((low, high)) = range.filter(|(low, high)| value < *low || value > *high) else { return true };
+    let outside = parameter.range.filter(|(low, high)| value < *low || value > *high);
+    let Some((low, high)) = outside else { return true };
+    let [value, low, high] = [value, low, high].map(told);
     let message = format!("{name} = {value} {unit} is outside its range {low} ... {high} {unit}");
     let hint = "widen the range in the patch if the circuit can take it".to_owned();
     findings.push(Diagnostic { code: Code::OutsideRange, span, message, hint: Some(hint) });

@@ -3,28 +3,44 @@
 use petgraph::graph::NodeIndex;
 
 use super::resolve::Graph;
-use super::scope::Quantities;
+use super::scope::{Quantities, too_large};
 use crate::elements::{Family, Kind, Measure, Output, Setting};
-use crate::patch::{Amount, Code, Diagnostic, Dimension, Entry, Formula, Patch, Placed, Unit};
+use crate::patch::{Amount, Code, Diagnostic, Dimension, Entry, Formula, Patch, Placed, Unit, told};
+
+/// Whether every cord is where the patch wants it.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Cords {
+    Known,
+    /// Some were reported: an output that nothing reads may be meant for any input.
+    Doubtful,
+}
 
 /// Checks every setting of every element and drive.
-pub(super) fn check(patch: &Patch, quantities: &Quantities, graph: &Graph, findings: &mut Vec<Diagnostic>) {
+pub(super) fn check(
+    patch: &Patch,
+    quantities: &Quantities,
+    graph: &Graph,
+    cords: Cords,
+    findings: &mut Vec<Diagnostic>,
+) {
     for (name, entry) in patch.drives.iter().chain(&patch.elements) {
         let leads_on = graph.node_indices().find(|index| graph[*index].name == *name);
-        let before_integrator = leads_on.is_some_and(|index| feeds_integrator(graph, index));
-        let unit =
-            entry.scale.as_ref().and_then(|scale| patch.scales.get(&scale.value)).map(|scale| &scale.unit);
-        let checker = Checker { name, entry, patch, quantities, before_integrator, unit };
+        let before_integrator = leads_on.is_some_and(|index| feeds_integrator(graph, index, cords));
+        let scale = entry.scale.as_ref().and_then(|scale| patch.scales.get_index_of(&scale.value));
+        let checker = Checker { name, entry, patch, quantities, before_integrator, scale };
         checker.all(findings);
     }
 }
 
 /// Whether a voltage goes into an integrator, directly or through pots.
-fn feeds_integrator(graph: &Graph, from: NodeIndex) -> bool {
+fn feeds_integrator(graph: &Graph, from: NodeIndex, cords: Cords) -> bool {
     let mut seen = vec![from];
     let mut next = 0;
     while let Some(index) = seen.get(next).copied() {
         next += 1;
+        if cords == Cords::Doubtful && graph.neighbors(index).next().is_none() {
+            return true;
+        }
         for reader in graph.neighbors(index) {
             let kind = graph[reader].kind;
             if kind.output == Output::Integrator {
@@ -50,8 +66,8 @@ struct Checker<'a> {
     patch: &'a Patch,
     quantities: &'a Quantities,
     before_integrator: bool,
-    /// Unit of a drive's scale.
-    unit: Option<&'a Unit>,
+    /// Index of a drive's scale.
+    scale: Option<usize>,
 }
 
 impl Checker<'_> {
@@ -69,12 +85,16 @@ impl Checker<'_> {
 
     /// A setting's value, once unit and range are found fit.
     fn one(&self, row: &Setting, placed: &Placed<Formula>, findings: &mut Vec<Diagnostic>) -> Option<f64> {
-        if matches!(row.measure, Measure::Signal | Measure::SignalRate) && self.unit.is_none() {
+        if is_of_signal(row.measure) && self.scale.is_none() {
             return None;
         }
         let wanted = self.wanted(row.measure);
         let value =
             self.quantities.checked(placed, |found| self.fits(row.measure, found), &wanted, findings)?;
+        if is_of_signal(row.measure) && !self.volts(placed, value).is_finite() {
+            findings.push(too_large(&placed.value, placed.span));
+            return None;
+        }
         if self.is_outside(row, value) {
             findings.push(self.outside(row, placed, value));
             return None;
@@ -85,9 +105,25 @@ impl Checker<'_> {
         Some(value)
     }
 
+    /// Unit of a drive's scale.
+    fn unit(&self) -> Option<&Unit> {
+        Some(&self.patch.scales[self.scale?].unit)
+    }
+
+    /// What a drive's value is on the machine; 0 where its scale could not be worked out.
+    fn volts(&self, placed: &Placed<Formula>, value: f64) -> f64 {
+        let (Some(unit), Some(volt)) =
+            (self.unit(), self.scale.and_then(|scale| self.quantities.per_volt(scale)))
+        else {
+            return 0.0;
+        };
+        let value = if self.quantities.is_plain(&placed.value) { unit.to_si(value) } else { value };
+        value / volt
+    }
+
     fn fits(&self, measure: Measure, found: Dimension) -> bool {
         let per_second = Dimension::NONE.over(Dimension::TIME);
-        let unit = self.unit.map_or(Dimension::NONE, Unit::dimension);
+        let unit = self.unit().map_or(Dimension::NONE, Unit::dimension);
         match measure {
             Measure::Fraction => found.is_none() || (self.before_integrator && is_rate(found)),
             Measure::Volts => found.is_none() || found == Dimension::VOLTAGE,
@@ -100,11 +136,12 @@ impl Checker<'_> {
     }
 
     fn wanted(&self, measure: Measure) -> String {
-        let unit = self.unit.map_or(Dimension::NONE, Unit::dimension);
+        let unit = self.unit().map_or(Dimension::NONE, Unit::dimension);
         match measure {
             Measure::Fraction if self.before_integrator => {
                 "a pure number (or 1/s, before an integrator)".to_owned()
             }
+            Measure::Volts => "a number of volts".to_owned(),
             Measure::MachineSeconds | Measure::Seconds => "a time in s".to_owned(),
             Measure::Hertz => "a frequency in 1/s".to_owned(),
             Measure::Signal => unit.to_string(),
@@ -123,29 +160,34 @@ impl Checker<'_> {
         let (low, high) = row.range;
         let code = if row.measure == Measure::Fraction { Code::SettingOutside } else { Code::BadNumber };
         let unit = if row.unit() == "1" { String::new() } else { format!(" {}", row.unit()) };
+        let [value_told, low_told, high_told] = [value, low, high].map(told);
         let message = format!(
-            "the {} of {} comes to {value:.6}{unit}, outside {low} ... {high}{unit}",
-            row.name.replace('.', " "),
-            self.name
+            "\"{}\" of {} comes to {value_told}{unit}, outside {low_told} ... {high_told}{unit}",
+            row.name, self.name
         );
-        let finding = Diagnostic::at(code, placed.span, message);
-        if code == Code::SettingOutside {
-            finding.hint("move a factor of 10 between the pot and the gain behind it")
-        } else {
-            finding
-        }
+        let hint = match code {
+            Code::SettingOutside if value < low => "a pot cannot invert: a summer in front of it can",
+            Code::SettingOutside => "divide it by 10 and use an input with 10 times the gain, or rescale",
+            _ if row.measure == Measure::Volts => "rescale: the machine works between -100 and 100 V",
+            _ => row.description,
+        };
+        Diagnostic::at(code, placed.span, message).hint(hint)
     }
 
     /// Warns when a setting leaves its range somewhere in the ranges of the parameters that it names.
     fn over_ranges(&self, row: &Setting, placed: &Placed<Formula>, findings: &mut Vec<Diagnostic>) {
         let named = self.named_parameters(&placed.value);
         let corners = self.corners(&named);
-        let worst = corners.iter().find_map(|corner| {
-            let value = placed.value.evaluate(&corner.0).ok()?;
-            self.is_outside(row, value).then_some((value, &corner.1))
+        let outside = corners.iter().find_map(|(quantities, at)| {
+            let comes_to = match placed.value.evaluate(quantities) {
+                Ok(value) if !self.is_outside(row, value) => return None,
+                Ok(value) => format!("would come to {}", told(value)),
+                Err(_) => "would have no value".to_owned(),
+            };
+            Some((comes_to, at))
         });
-        if let Some((value, at)) = worst {
-            let message = format!("the {} of {} would come to {value:.4} at {at}", row.name, self.name);
+        if let Some((comes_to, at)) = outside {
+            let message = format!("\"{}\" of {} {comes_to} at {at}", row.name, self.name);
             let hint = "narrow the range of the parameter, or rescale";
             findings.push(Diagnostic::at(Code::SettingRange, placed.span, message).hint(hint));
         }
@@ -177,10 +219,10 @@ impl Checker<'_> {
             let values = [low, (low + high) / 2.0, high];
             corners = corners
                 .into_iter()
-                .flat_map(|(quantities, told)| {
-                    let comma = if told.is_empty() { "" } else { ", " };
+                .flat_map(|(quantities, so_far)| {
+                    let comma = if so_far.is_empty() { "" } else { ", " };
                     values.map(|value| {
-                        (quantities.with(*index, value), format!("{told}{comma}{name} = {value}"))
+                        (quantities.with(*index, value), format!("{so_far}{comma}{name} = {}", told(value)))
                     })
                 })
                 .collect();
@@ -195,12 +237,22 @@ impl Checker<'_> {
             if let (Some(low), Some(high)) = (value(lower), value(upper))
                 && low >= high
             {
+                let [low, high] = [low, high].map(told);
                 let message =
                     format!("{lower} of {} is {low}, which is not below {upper}, {high}", self.name);
-                findings.push(Diagnostic::at(Code::BadNumber, self.entry.span, message));
+                let place =
+                    self.entry.kind.setting(lower).and_then(|index| self.entry.settings[index].as_ref());
+                let span = place.map_or(self.entry.span, |placed| placed.span);
+                let hint = "exchange the two, or move one of them";
+                findings.push(Diagnostic::at(Code::BadNumber, span, message).hint(hint));
             }
         }
     }
+}
+
+/// Whether a setting stands in the unit of the drive's scale.
+fn is_of_signal(measure: Measure) -> bool {
+    matches!(measure, Measure::Signal | Measure::SignalRate)
 }
 
 /// What rounding may add to a setting of 1.

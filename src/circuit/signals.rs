@@ -17,7 +17,7 @@ pub(super) fn resolve(
         graph.node_indices().map(|index| (graph[index].name.as_str(), index.index())).collect();
     let mut points = Vec::new();
     for (name, signal) in &patch.signals {
-        let element = find(&signal.at, &places, findings);
+        let element = find(patch, &signal.at, &places, findings);
         let scale = signal.scale.as_ref().and_then(|scale| find_scale(patch, scale, findings));
         if let Some(element) = element {
             points.push(SignalPoint { name: name.clone(), element, scale, factor: signal.factor });
@@ -39,9 +39,14 @@ pub(super) fn resolve(
     (points, record)
 }
 
-fn find(at: &Placed<String>, places: &HashMap<&str, usize>, findings: &mut Vec<Diagnostic>) -> Option<usize> {
+fn find(
+    patch: &Patch,
+    at: &Placed<String>,
+    places: &HashMap<&str, usize>,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<usize> {
     let found = places.get(at.value.as_str()).copied();
-    if found.is_none() {
+    if found.is_none() && !patch.lost().may_hold(&at.value) {
         let mut known: Vec<_> = places.keys().copied().collect();
         known.sort_unstable();
         let message = format!("there is no element {} to read at", at.value);
@@ -59,13 +64,13 @@ fn record(patch: &Patch, points: &[SignalPoint], findings: &mut Vec<Diagnostic>)
     }
     let mut record = Vec::new();
     for name in &patch.record {
-        let Some(point) = recordable(name, points, findings) else { continue };
+        let Some(point) = recordable(patch, name, points, findings) else { continue };
         if record.contains(&point) {
             let message = format!("{} is recorded twice", name.value);
             findings.push(Diagnostic::at(Code::DuplicateName, name.span, message));
             continue;
         }
-        if points[point].scale.is_none() {
+        if points[point].scale.is_none() && asks_for_volts(patch, &name.value) {
             let message = format!("{} has no scale and is recorded in volts", name.value);
             let hint = "name a signal at it, with a scale";
             findings.push(Diagnostic::at(Code::UnscaledSignal, name.span, message).hint(hint));
@@ -75,10 +80,16 @@ fn record(patch: &Patch, points: &[SignalPoint], findings: &mut Vec<Diagnostic>)
     record
 }
 
+/// Whether nothing gives the signal a scale; one that is named and not there has been reported.
+fn asks_for_volts(patch: &Patch, name: &str) -> bool {
+    let signal = patch.signals.get(name).is_some_and(|signal| signal.scale.is_some());
+    !signal && !patch.drives.contains_key(name)
+}
+
 fn pictures(patch: &Patch, points: &[SignalPoint], findings: &mut Vec<Diagnostic>) {
     for picture in &patch.pictures {
         if picture.x.value != "t" {
-            recordable(&picture.x, points, findings);
+            recordable(patch, &picture.x, points, findings);
         }
         let shown: Vec<_> = picture.y.iter().map(|name| unit_shown(patch, name, points, findings)).collect();
         let units: BTreeSet<&str> = shown.iter().flatten().map(String::as_str).collect();
@@ -91,9 +102,6 @@ fn pictures(patch: &Patch, points: &[SignalPoint], findings: &mut Vec<Diagnostic
             );
             let hint = "draw a second picture";
             findings.push(Diagnostic::at(Code::UnitMismatch, picture.y[0].span, message).hint(hint));
-        }
-        if picture.y.is_empty() {
-            findings.push(Diagnostic::at(Code::MissingKey, picture.x.span, "the picture shows no signal"));
         }
     }
 }
@@ -108,17 +116,19 @@ fn unit_shown(
     if name.value == "t" {
         return Some("s".to_owned());
     }
-    let point = &points[recordable(name, points, findings)?];
+    let point = &points[recordable(patch, name, points, findings)?];
     Some(point.scale.map_or("V".to_owned(), |scale| patch.scales[scale].unit.text().to_owned()))
 }
 
 fn recordable(
+    patch: &Patch,
     name: &Placed<String>,
     points: &[SignalPoint],
     findings: &mut Vec<Diagnostic>,
 ) -> Option<usize> {
     let found = points.iter().position(|point| point.name == name.value);
-    if found.is_none() {
+    let reported = patch.signals.contains_key(&name.value) || patch.lost().may_hold(&name.value);
+    if found.is_none() && !reported {
         let known: Vec<_> = points.iter().map(|point| point.name.as_str()).collect();
         let message = format!("there is no signal {}", name.value);
         let hint = suggestion(&name.value, &known);

@@ -1,5 +1,9 @@
 //! From the tree of the text to the patch. Everything wrong is noted, and reading goes on.
 
+use std::collections::HashSet;
+
+use indexmap::IndexMap;
+
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span, suggestion};
 use super::document::{
@@ -7,7 +11,7 @@ use super::document::{
 };
 use super::formula::Formula;
 use super::tree::{self, Content, Node};
-use super::units::Unit;
+use super::units::{Unit, nearest};
 use crate::elements::{self, Default, Family, Kind, Measure};
 use crate::machines::Part;
 
@@ -19,7 +23,7 @@ type Findings = Vec<Diagnostic>;
 /// When the document is not an object.
 pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic> {
     let mut findings = Findings::new();
-    let Some(mut fields) = Fields::of(root, "a patch", &mut findings) else {
+    let Some(mut fields) = Fields::of(root, "the patch", &mut findings) else {
         return Err(findings.remove(0));
     };
     version(&mut fields, &mut findings);
@@ -28,39 +32,61 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     patch.machine = fields.take("machine").and_then(|node| word(node, "machine", &mut findings));
     patch.time_scale = time_scale(&mut fields, &mut findings);
     let all = &mut findings;
-    fields.each("parameters", all, |name, span, node, all| {
-        insert_some(&mut patch.parameters, name, parameter(node, span, all));
+    let lost = &mut patch.lost.names;
+    fields.each("parameters", all, |named, all| {
+        keep(&mut patch.parameters, lost, named, parameter(named, all));
     });
-    fields.each("scales", all, |name, span, node, all| {
-        insert_some(&mut patch.scales, name, scale(node, span, all));
+    fields.each("scales", all, |named, all| {
+        keep(&mut patch.scales, lost, named, scale(named, all));
     });
-    fields.each("drives", all, |name, span, node, all| {
-        insert_some(&mut patch.drives, name, entry(node, span, Family::Drive, all));
+    fields.each("drives", all, |named, all| {
+        keep(&mut patch.drives, lost, named, entry(named, Family::Drive, all));
     });
-    fields.each("elements", all, |name, span, node, all| {
-        insert_some(&mut patch.elements, name, entry(node, span, Family::Computing, all));
+    fields.each("elements", all, |named, all| {
+        keep(&mut patch.elements, lost, named, entry(named, Family::Computing, all));
     });
-    fields.each("signals", all, |name, span, node, all| {
-        insert_some(&mut patch.signals, name, signal(node, span, all));
+    fields.each("signals", all, |named, all| {
+        keep(&mut patch.signals, lost, named, signal(named, all));
     });
     patch.run = fields.take("run").map(|node| run(node, all)).unwrap_or_default();
     patch.record = fields.take("record").map(|node| words(node, "record", all)).unwrap_or_default();
     patch.pictures = fields.take("pictures").map(|node| pictures(node, all)).unwrap_or_default();
     fields.text("note", all);
     fields.text("$schema", all);
+    patch.lost.section = has_lost_section(&fields);
     fields.finish(all);
     patch.findings = findings;
     Ok(())
 }
 
-fn insert_some<T>(map: &mut indexmap::IndexMap<String, T>, name: &str, value: Option<T>) {
-    if let Some(value) = value {
-        map.insert(name.to_owned(), value);
+/// The sections in which other parts of the document look for names.
+const SECTIONS: [&str; 5] = ["parameters", "scales", "drives", "elements", "signals"];
+
+/// Whether a section is misspelled or no object, so that its names are not there.
+fn has_lost_section(fields: &Fields<'_>) -> bool {
+    fields.entries.iter().any(|(entry, taken)| match taken {
+        true => SECTIONS.contains(&entry.key.as_str()) && !matches!(entry.value.value, Content::Object(_)),
+        false => nearest(&entry.key, SECTIONS).is_some(),
+    })
+}
+
+/// Keeps what was read under its name, or the name alone where it could not be read.
+fn keep<T>(
+    read: &mut IndexMap<String, T>,
+    lost: &mut HashSet<String>,
+    named: &tree::Entry,
+    value: Option<T>,
+) {
+    match value {
+        Some(value) => drop(read.insert(named.key.clone(), value)),
+        None => drop(lost.insert(named.key.clone())),
     }
 }
 
 fn version(fields: &mut Fields<'_>, findings: &mut Findings) {
-    let Some(node) = fields.need("patchcord", findings) else { return };
+    let Some(node) = fields.need("patchcord", "the version of the format: write \"patchcord\": 1") else {
+        return;
+    };
     if number(node, "patchcord", findings).is_some_and(|version| version != FORMAT_VERSION as f64) {
         findings.push(
             Diagnostic::at(Code::UnknownVersion, node.span, "this version of the format is not known")
@@ -73,15 +99,17 @@ fn time_scale(fields: &mut Fields<'_>, findings: &mut Findings) -> f64 {
     positive(fields, "time_scale", findings).map_or(1.0, |placed| placed.value)
 }
 
-fn parameter(node: &Node, span: Span, findings: &mut Findings) -> Option<Parameter> {
-    let mut fields = Fields::of(node, "a parameter", findings)?;
-    let value = fields.need("value", findings).and_then(|node| number(node, "value", findings));
+fn parameter(named: &tree::Entry, findings: &mut Findings) -> Option<Parameter> {
+    let mut fields = Fields::of(&named.value, format!("the parameter {}", named.key), findings)?;
+    let place = fields.need("value", "a number in the unit of the parameter");
+    let value = place.and_then(|node| number(node, "value", findings));
     let unit = unit(&mut fields, findings);
     let range = fields.take("range").and_then(|node| range(node, findings));
     let description = fields.text("description", findings);
     fields.text("note", findings);
     fields.finish(findings);
-    Some(Parameter { value: value?, unit: unit?, range, description, span })
+    let span = named.key_span;
+    Some(Parameter { value: value?, unit: unit?, range, description, span, value_span: place?.span })
 }
 
 fn range(node: &Node, findings: &mut Findings) -> Option<(f64, f64)> {
@@ -94,24 +122,26 @@ fn range(node: &Node, findings: &mut Findings) -> Option<(f64, f64)> {
     let (low, high) = (number(low, "range", findings)?, number(high, "range", findings)?);
     if low > high {
         let message = format!("the least value {low} is above the largest {high}");
-        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+        let hint = "a range begins with the least value";
+        findings.push(Diagnostic::at(Code::BadNumber, node.span, message).hint(hint));
         return None;
     }
     Some((low, high))
 }
 
-fn scale(node: &Node, span: Span, findings: &mut Findings) -> Option<Scale> {
-    let mut fields = Fields::of(node, "a scale", findings)?;
-    let per_volt = fields.need("per_volt", findings).and_then(|node| formula(node, "per_volt", findings));
+fn scale(named: &tree::Entry, findings: &mut Findings) -> Option<Scale> {
+    let mut fields = Fields::of(&named.value, format!("the scale {}", named.key), findings)?;
+    let per_volt = fields.need("per_volt", "what one volt stands for, in the unit of the scale");
+    let per_volt = per_volt.and_then(|node| formula(node, "per_volt", findings));
     let unit = unit(&mut fields, findings);
     fields.text("description", findings);
     fields.text("note", findings);
     fields.finish(findings);
-    Some(Scale { per_volt, unit: unit?, span })
+    Some(Scale { per_volt, unit: unit?, span: named.key_span })
 }
 
 fn unit(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Unit> {
-    let node = fields.need("unit", findings)?;
+    let node = fields.need("unit", "such as \"N s/m\", or \"1\" for a pure number")?;
     let text = word(node, "unit", findings)?;
     Unit::parse(&text.value)
         .map_err(|error| {
@@ -126,41 +156,49 @@ fn inside_quotes(span: Span, range: &std::ops::Range<usize>) -> Span {
     span.part(&(range.start + 1..range.end + 1))
 }
 
-fn entry(node: &Node, span: Span, family: Family, findings: &mut Findings) -> Option<Entry> {
-    let mut fields = Fields::of(node, "an element", findings)?;
+fn entry(named: &tree::Entry, family: Family, findings: &mut Findings) -> Option<Entry> {
+    let noun = format!("the {} {}", family_noun(family), named.key);
+    let mut fields = Fields::of(&named.value, noun, findings)?;
     let kind = kind(&mut fields, family, findings)?;
     let mut entry = Entry {
         kind,
         plugs: Vec::new(),
         empty_jacks: Vec::new(),
+        doubtful: false,
         settings: vec![None; kind.settings.len()],
         unreadable: Vec::new(),
         uses: Vec::new(),
         scale: None,
         note: fields.text("note", findings),
-        span,
+        span: named.key_span,
     };
     plugs(&mut fields, &mut entry, findings);
     settings(&mut fields, "", &mut entry, findings);
     for group in setting_groups(kind) {
         if let Some(node) = fields.take(group)
-            && let Some(mut inner) = Fields::of(node, "a group of settings", findings)
+            && let Some(mut inner) = Fields::of(node, format!("\"{group}\""), findings)
         {
             settings(&mut inner, &format!("{group}."), &mut entry, findings);
             inner.finish(findings);
         }
     }
     if family == Family::Drive {
-        entry.scale = fields.need("scale", findings).and_then(|node| word(node, "scale", findings));
+        let scale = fields.need("scale", "the scale of what the drive gives");
+        entry.scale = scale.and_then(|node| word(node, "scale", findings));
     } else {
         entry.uses = fields.take("uses").map(|node| uses(node, findings)).unwrap_or_default();
     }
+    entry.doubtful |= fields.rest().next().is_some();
     fields.finish(findings);
     Some(entry)
 }
 
 fn kind(fields: &mut Fields<'_>, family: Family, findings: &mut Findings) -> Option<&'static Kind> {
-    let node = fields.need("kind", findings)?;
+    let Some(node) = fields.need("kind", &format!("one of {}", elements::names(family).join(", "))) else {
+        // Which keys it may have depends on the kind: only this one can be missed.
+        fields.report_missing(findings);
+        return None;
+    };
     let name = word(node, "kind", findings)?;
     let found = elements::find(family, &name.value);
     if found.is_none() {
@@ -199,12 +237,13 @@ fn plugs(fields: &mut Fields<'_>, entry: &mut Entry, findings: &mut Findings) {
                 let message = "an amplifier's cords go to inputs with gains";
                 let hint = "write \"in\": {\"x1\": [...], \"x10\": [...]}";
                 findings.push(Diagnostic::at(Code::WrongType, node.span, message).hint(hint));
-                entry.empty_jacks.push(Placed { value: main.name.to_owned(), span: node.span });
+                entry.doubtful = true;
             }
             _ => plug(main.name, key_span, node, entry, findings),
         }
     }
-    for input in inputs.iter().filter(|input| input.name != "in") {
+    let named = inputs.iter().filter(|input| input.name != "in" && input.jacks != elements::Jacks::Gains);
+    for input in named {
         if let Some((key_span, node)) = fields.take_with_key(input.name) {
             plug(input.name, key_span, node, entry, findings);
         }
@@ -212,12 +251,12 @@ fn plugs(fields: &mut Fields<'_>, entry: &mut Entry, findings: &mut Findings) {
 }
 
 fn plug(jack: &str, jack_span: Span, node: &Node, entry: &mut Entry, findings: &mut Findings) {
-    let before = entry.plugs.len();
+    let reported = findings.len();
     let jack = Placed { value: jack.to_owned(), span: jack_span };
-    for from in words(node, &jack.value, findings) {
-        entry.plugs.push(Plug { jack: jack.clone(), from });
-    }
-    if entry.plugs.len() == before {
+    let cords = words(node, &jack.value, findings);
+    entry.doubtful |= findings.len() > reported;
+    entry.plugs.extend(cords.into_iter().map(|from| Plug { jack: jack.clone(), from }));
+    if matches!(&node.value, Content::List(items) if items.is_empty()) {
         entry.empty_jacks.push(Placed { value: jack.value, span: node.span });
     }
 }
@@ -234,7 +273,7 @@ fn settings(fields: &mut Fields<'_>, prefix: &str, entry: &mut Entry, findings: 
     for (index, setting) in entry.kind.settings.iter().enumerate() {
         let Some(key) = setting.name.strip_prefix(prefix).filter(|key| !key.contains('.')) else { continue };
         let node = match setting.default {
-            Default::Required => fields.need(key, findings),
+            Default::Required => fields.need(key, setting.description),
             _ => fields.take(key),
         };
         match node.map(|node| amount(node, key, setting.measure, findings)) {
@@ -310,15 +349,24 @@ fn uses(node: &Node, findings: &mut Findings) -> Vec<(Placed<String>, Vec<Placed
     used
 }
 
-fn signal(node: &Node, span: Span, findings: &mut Findings) -> Option<Signal> {
-    let mut fields = Fields::of(node, "a signal", findings)?;
-    let at = fields.need("at", findings).and_then(|node| word(node, "at", findings));
+fn signal(named: &tree::Entry, findings: &mut Findings) -> Option<Signal> {
+    let mut fields = Fields::of(&named.value, format!("the signal {}", named.key), findings)?;
+    let at = fields.need("at", "the element at whose output it is read");
+    let at = at.and_then(|node| word(node, "at", findings));
     let scale = fields.take("scale").and_then(|node| word(node, "scale", findings));
-    let factor = fields.take("factor").and_then(|node| number(node, "factor", findings));
+    let factor = fields.take("factor").and_then(|node| factor(node, findings));
     fields.text("description", findings);
     fields.text("note", findings);
     fields.finish(findings);
-    Some(Signal { at: at?, scale, factor: factor.unwrap_or(1.0), span })
+    Some(Signal { at: at?, scale, factor: factor.unwrap_or(1.0), span: named.key_span })
+}
+
+fn factor(node: &Node, findings: &mut Findings) -> Option<f64> {
+    let factor = number(node, "factor", findings)?;
+    if factor == 0.0 {
+        findings.push(Diagnostic::at(Code::BadNumber, node.span, "a signal times 0 shows nothing"));
+    }
+    Some(factor)
 }
 
 fn run(node: &Node, findings: &mut Findings) -> RunPlan {
@@ -364,10 +412,20 @@ fn picture(node: &Node, findings: &mut Findings) -> Option<PictureSpec> {
         Some(node) => word(node, "x", findings),
         None => Some(Placed { value: "t".to_owned(), span: node.span }),
     };
-    let y = fields.need("y", findings).map(|node| words(node, "y", findings));
+    let y = fields.need("y", "the signals along the vertical axis").map(|node| shown(node, findings));
     fields.text("note", findings);
     fields.finish(findings);
     Some(PictureSpec { title, x: x?, y: y? })
+}
+
+/// The signals that a picture shows: one at least.
+fn shown(node: &Node, findings: &mut Findings) -> Vec<Placed<String>> {
+    if matches!(&node.value, Content::List(items) if items.is_empty()) {
+        let message = "the picture shows no signal";
+        let hint = "name the signals along the vertical axis, or leave the picture out";
+        findings.push(Diagnostic::at(Code::MissingKey, node.span, message).hint(hint));
+    }
+    words(node, "y", findings)
 }
 
 fn formula(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<Formula>> {
@@ -435,7 +493,9 @@ fn list<'a>(node: &'a Node, key: &str, findings: &mut Findings) -> Option<&'a [N
 
 fn wrong_type(node: &Node, key: &str, wanted: &str, got: &Content) -> Diagnostic {
     let message = format!("\"{key}\" takes {wanted}, not {}", got.noun());
-    Diagnostic::at(Code::WrongType, node.span, message)
+    let quoted_number = matches!(got, Content::Text(text) if text.parse::<f64>().is_ok_and(f64::is_finite));
+    let hint = (quoted_number && wanted == "a number").then(|| "take the quotes away".to_owned());
+    Diagnostic::at(Code::WrongType, node.span, message).maybe_hint(hint)
 }
 
 /// The keys of an object, each taken once; what is left at the end is not known.
@@ -443,12 +503,15 @@ struct Fields<'a> {
     entries: Vec<(&'a tree::Entry, bool)>,
     span: Span,
     asked: Vec<&'static str>,
-    noun: &'static str,
+    /// Keys that were needed and are not there, and what they mean.
+    missing: Vec<(&'static str, String)>,
+    noun: String,
 }
 
 impl<'a> Fields<'a> {
     /// The fields of an object; anything else is noted as wrong.
-    fn of(node: &'a Node, noun: &'static str, findings: &mut Findings) -> Option<Self> {
+    fn of(node: &'a Node, noun: impl Into<String>, findings: &mut Findings) -> Option<Self> {
+        let noun = noun.into();
         let Content::Object(entries) = &node.value else {
             let message = format!("{noun} must be an object, not {}", node.value.noun());
             findings.push(Diagnostic::at(Code::WrongType, node.span, message));
@@ -456,7 +519,7 @@ impl<'a> Fields<'a> {
         };
         note_duplicates(entries, findings);
         let entries = entries.iter().map(|entry| (entry, false)).collect();
-        Some(Fields { entries, span: node.span, asked: Vec::new(), noun })
+        Some(Fields { entries, span: node.span, asked: Vec::new(), missing: Vec::new(), noun })
     }
 
     fn take(&mut self, key: &'static str) -> Option<&'a Node> {
@@ -473,12 +536,11 @@ impl<'a> Fields<'a> {
         found
     }
 
-    fn need(&mut self, key: &'static str, findings: &mut Findings) -> Option<&'a Node> {
+    /// What must be there; if it is not, [`Fields::finish`] says so.
+    fn need(&mut self, key: &'static str, meaning: &str) -> Option<&'a Node> {
         let node = self.take(key);
         if node.is_none() {
-            let message = format!("{} needs \"{key}\"", self.noun);
-            let opening = Span { start: self.span.start, end: self.span.start + 1 };
-            findings.push(Diagnostic::at(Code::MissingKey, opening, message));
+            self.missing.push((key, meaning.to_owned()));
         }
         node
     }
@@ -494,36 +556,62 @@ impl<'a> Fields<'a> {
         &mut self,
         section: &'static str,
         findings: &mut Findings,
-        mut each: impl FnMut(&str, Span, &'a Node, &mut Findings),
+        mut each: impl FnMut(&'a tree::Entry, &mut Findings),
     ) {
         let Some(node) = self.take(section) else { return };
-        let Some(named) = Fields::of(node, "a section of named things", findings) else { return };
+        let Some(named) = Fields::of(node, format!("\"{section}\""), findings) else { return };
         for entry in named.rest() {
-            each(&entry.key, entry.key_span, &entry.value, findings);
+            each(entry, findings);
         }
     }
 
     /// Every entry that was not taken, the first of each key.
     fn rest(&self) -> impl Iterator<Item = &'a tree::Entry> + use<'a> {
         let left: Vec<_> = self.entries.iter().filter(|(_, taken)| !taken).map(|(entry, _)| *entry).collect();
-        let mut seen = std::collections::HashSet::new();
+        let mut seen = HashSet::new();
         left.into_iter().filter(move |entry| seen.insert(entry.key.as_str()))
     }
 
-    fn finish(&self, findings: &mut Findings) {
+    /// Reports the keys that are missing and those that are not known.
+    fn finish(&mut self, findings: &mut Findings) {
+        self.report_missing(findings);
         for entry in self.rest() {
-            let message = format!("{} has no key \"{}\"", self.noun, entry.key);
-            let hint = suggestion(&entry.key, &self.asked);
-            findings.push(Diagnostic::at(Code::UnknownKey, entry.key_span, message).maybe_hint(hint));
+            findings.push(self.unknown(entry).maybe_hint(suggestion(&entry.key, &self.asked)));
         }
+    }
+
+    /// Reports the keys that are missing. One that stands there misspelled is not missing but unknown.
+    fn report_missing(&mut self, findings: &mut Findings) {
+        for (key, meaning) in std::mem::take(&mut self.missing) {
+            findings.push(match self.take_near(key) {
+                Some(entry) => self.unknown(entry).hint(format!("did you mean \"{key}\"?")),
+                None => {
+                    let opening = Span { start: self.span.start, end: self.span.start + 1 };
+                    let message = format!("{} needs \"{key}\"", self.noun);
+                    Diagnostic::at(Code::MissingKey, opening, message).hint(meaning)
+                }
+            });
+        }
+    }
+
+    fn take_near(&mut self, key: &str) -> Option<&'a tree::Entry> {
+        let near = nearest(key, self.rest().map(|entry| entry.key.as_str()))?;
+        let (entry, taken) = self.entries.iter_mut().find(|(entry, _)| entry.key == near)?;
+        *taken = true;
+        Some(entry)
+    }
+
+    fn unknown(&self, entry: &tree::Entry) -> Diagnostic {
+        let message = format!("\"{}\" is not a key of {}", entry.key, self.noun);
+        Diagnostic::at(Code::UnknownKey, entry.key_span, message)
     }
 }
 
 fn note_duplicates(entries: &[tree::Entry], findings: &mut Findings) {
-    let mut seen = std::collections::HashSet::new();
+    let mut seen = HashSet::new();
     for entry in entries.iter().filter(|entry| !seen.insert(entry.key.as_str())) {
-        let message = format!("\"{}\" stands twice here", entry.key);
-        let hint = "keep one of the two: JSON readers would silently drop the other";
+        let message = format!("\"{}\" stands here more than once", entry.key);
+        let hint = "keep one of them: JSON readers would silently drop the others";
         findings.push(Diagnostic::at(Code::DuplicateKey, entry.key_span, message).hint(hint));
     }
 }

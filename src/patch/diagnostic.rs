@@ -182,6 +182,21 @@ impl fmt::Display for Report {
 
 impl std::error::Error for Report {}
 
+/// A number as messages show it: no more than six significant digits.
+pub(crate) fn told(value: f64) -> String {
+    let short: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    match short.abs() {
+        0.0 => "0".to_owned(),
+        1e-4..1e7 => short.to_string(),
+        _ => format!("{short:e}"),
+    }
+}
+
+/// Whether any finding stops the patch.
+pub(crate) fn any_error(findings: &[Diagnostic]) -> bool {
+    findings.iter().any(|finding| finding.code.severity() == Severity::Error)
+}
+
 /// "did you mean" for a mistyped name, or else the list of what is known.
 pub fn suggestion(name: &str, known: &[&str]) -> Option<String> {
     if let Some(near) = nearest(name, known.iter().copied()) {
@@ -220,6 +235,14 @@ mod tests {
         let shown = report("{\n  \"kin\": 1\n}", Span { start: 4, end: 9 }).to_string();
         for part in ["unknown-key", "no such key", "a.json:2:3", "\"kin\"", "look it up"] {
             assert!(shown.contains(part), "{part} is missing in\n{shown}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_told_shortly() {
+        let numbers = [(1.2, "1.2"), (-0.0, "0"), (1.0 / 3.0, "0.333333"), (45e6, "4.5e7"), (1e-9, "1e-9")];
+        for (value, shown) in numbers {
+            assert_eq!(told(value), shown);
         }
     }
 

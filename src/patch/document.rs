@@ -1,5 +1,6 @@
 //! The patch: the document as a person wrote it, read but not yet judged.
 
+use std::collections::HashSet;
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
@@ -38,8 +39,10 @@ pub struct Parameter {
     pub range: Option<(f64, f64)>,
     /// What it is.
     pub description: String,
-    /// Where it stands.
+    /// Where its name stands.
     pub span: Span,
+    /// Where its value stands.
+    pub value_span: Span,
 }
 
 /// What one volt stands for.
@@ -84,6 +87,8 @@ pub struct Entry {
     pub plugs: Vec<Plug>,
     /// Jacks that stand there with an empty list, and where.
     pub empty_jacks: Vec<Placed<String>>,
+    /// Whether a key or a cord of it could not be understood: what seems to be missing may be that.
+    pub doubtful: bool,
     /// Its settings, in the order of the kind's; `None` where the patch says nothing.
     pub settings: Vec<Option<Placed<Amount>>>,
     /// Settings that stand there and could not be read: reported, and not to be reported again.
@@ -137,6 +142,22 @@ pub struct PictureSpec {
     pub y: Vec<Placed<String>>,
 }
 
+/// Names that stand in the document and could not be read, which has been reported.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Lost {
+    /// Names whose entries could not be read.
+    pub names: HashSet<String>,
+    /// Whether a whole section of names could not be read.
+    pub section: bool,
+}
+
+impl Lost {
+    /// Whether a name that is not known may be one of these.
+    pub fn may_hold(&self, name: &str) -> bool {
+        self.section || self.names.contains(name)
+    }
+}
+
 /// A patch as it was written.
 #[derive(Debug, Clone)]
 pub struct Patch {
@@ -144,6 +165,7 @@ pub struct Patch {
     text: String,
     value: Value,
     pub(super) findings: Vec<Diagnostic>,
+    pub(super) lost: Lost,
     /// Title of the patch.
     pub title: String,
     /// Where it comes from.
@@ -202,7 +224,8 @@ impl Patch {
             let at = error.utf8_error().valid_up_to();
             let readable = String::from_utf8_lossy(error.as_bytes()).into_owned();
             let finding =
-                Diagnostic::at(Code::Syntax, Span { start: at, end: at }, "the file is not UTF-8 text");
+                Diagnostic::at(Code::Syntax, Span { start: at, end: at }, "the file is not UTF-8 text")
+                    .hint("save it with the encoding UTF-8");
             Box::new(Report::new(&file, &readable, vec![finding]))
         })?;
         Ok(Patch::parse(&file, &text)?)
@@ -235,6 +258,7 @@ impl Patch {
             text: text.to_owned(),
             value,
             findings: Vec::new(),
+            lost: Lost::default(),
             title: String::new(),
             source: String::new(),
             machine: None,
@@ -253,6 +277,11 @@ impl Patch {
     /// What was found wrong while reading.
     pub(crate) fn findings(&self) -> &[Diagnostic] {
         &self.findings
+    }
+
+    /// The names that could not be read.
+    pub(crate) fn lost(&self) -> &Lost {
+        &self.lost
     }
 
     /// The file's name, as the reader wrote it.

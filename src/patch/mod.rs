@@ -14,6 +14,7 @@ mod units;
 pub use builder::{ElementBuilder, PatchBuilder};
 pub use code::Code;
 pub use diagnostic::{Diagnostic, Report, Severity, Span, suggestion};
+pub(crate) use document::Lost;
 pub use document::{
     Amount, Entry, FORMAT_VERSION, Parameter, Patch, PatchError, PictureSpec, Placed, Plug, RunPlan, Scale,
     Signal, write_whole,
@@ -24,3 +25,5 @@ pub use formula::{
 pub use function::Function;
 pub use schema::json_schema;
 pub use units::{Dimension, Unit, UnitError, engineering};
+
+pub(crate) use diagnostic::{any_error, told};
