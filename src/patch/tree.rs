@@ -1,6 +1,7 @@
 //! The document's text as a tree in which everything knows its place.
 
-use jsonc_parser::{CollectOptions, ParseOptions, ast, common::Range, parse_to_ast};
+use jsonc_parser::errors::ParseErrorKind;
+use jsonc_parser::{CollectOptions, ParseOptions, ParseStringErrorKind, ast, common::Range, parse_to_ast};
 
 use serde_json::{Number, Value};
 
@@ -68,12 +69,14 @@ impl Node {
 pub(crate) fn parse(text: &str) -> Result<Node, Diagnostic> {
     let parsed = parse_to_ast(text, &CollectOptions::default(), &strict()).map_err(|error| {
         let at = span(error.range());
+        let rest = text.get(at.start..).unwrap_or_default();
         Diagnostic::at(Code::Syntax, at, format!("not JSON: {}", error.kind()))
-            .maybe_hint(syntax_hint(&text[at.start.min(text.len())..]))
+            .maybe_hint(syntax_hint(error.kind(), rest).map(str::to_owned))
     })?;
     match parsed.value {
         Some(value) => Ok(node(value)),
-        None => Err(Diagnostic::at(Code::Syntax, Span::default(), "the document is empty")),
+        None => Err(Diagnostic::at(Code::Syntax, Span::default(), "the document is empty")
+            .hint("a patch begins with {\"patchcord\": 1, ...")),
     }
 }
 
@@ -92,13 +95,37 @@ fn strict() -> ParseOptions {
     }
 }
 
-fn syntax_hint(rest: &str) -> Option<String> {
-    let word: String = rest.chars().take_while(|c| c.is_alphanumeric() || "-+".contains(*c)).collect();
-    let known = ["nan", "infinity", "-infinity", "inf", "-inf", "+inf"];
-    if known.contains(&word.to_lowercase().as_str()) {
-        return Some("every number of a patch must be finite".into());
+/// What to write instead, from the kind of error and the text at its place.
+fn syntax_hint(kind: &ParseErrorKind, rest: &str) -> Option<&'static str> {
+    if is_no_number(rest) {
+        return Some("every number of a patch must be finite");
     }
-    rest.starts_with('/').then(|| "JSON has no comments: use a \"note\"".into())
+    Some(match kind {
+        ParseErrorKind::CommentsNotAllowed => "JSON has no comments: use a \"note\"",
+        ParseErrorKind::TrailingCommasNotAllowed => "take the last comma away",
+        ParseErrorKind::BareDecimalPointNumbersNotAllowed => "write 0.5, not .5, and 5, not 5.",
+        ParseErrorKind::UnaryPlusNumbersNotAllowed => "take the + away",
+        ParseErrorKind::SingleQuotedStringsNotAllowed => "texts stand in double quotes",
+        ParseErrorKind::ExpectedStringObjectProperty => "keys stand in double quotes",
+        ParseErrorKind::ExpectedComma if rest.starts_with(|c: char| c.is_ascii_digit()) => {
+            "numbers do not begin with 0"
+        }
+        ParseErrorKind::MultipleRootJsonValues => "a file holds one patch: it ended before this",
+        ParseErrorKind::UnterminatedArray | ParseErrorKind::UnterminatedObject => {
+            "it is opened here and never closed: is the file complete?"
+        }
+        ParseErrorKind::String(ParseStringErrorKind::UnterminatedStringLiteral) => {
+            "the text opened here is not closed with a quote on its line"
+        }
+        ParseErrorKind::String(_) => "in a text, \\ begins an escape such as \\n; write \\\\ for one \\",
+        _ => return None,
+    })
+}
+
+fn is_no_number(rest: &str) -> bool {
+    let word: String = rest.chars().take_while(|c| c.is_alphanumeric() || "-+".contains(*c)).collect();
+    let known = ["nan", "-nan", "infinity", "-infinity", "inf", "-inf", "+inf"];
+    known.contains(&word.to_lowercase().as_str())
 }
 
 fn span(range: Range) -> Span {

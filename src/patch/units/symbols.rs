@@ -111,8 +111,39 @@ pub(super) fn prefix_for(exponent: i32) -> Option<Prefix> {
     every.find(|prefix| prefix.exponent == exponent).copied()
 }
 
+/// What people write out in full, and the symbol for it.
+const WRITTEN_OUT: [(&str, &str); 18] = [
+    ("sec", "s"),
+    ("second", "s"),
+    ("minute", "min"),
+    ("hour", "h"),
+    ("hr", "h"),
+    ("metre", "m"),
+    ("meter", "m"),
+    ("gram", "g"),
+    ("kilogram", "kg"),
+    ("newton", "N"),
+    ("joule", "J"),
+    ("watt", "W"),
+    ("pascal", "Pa"),
+    ("volt", "V"),
+    ("ampere", "A"),
+    ("hertz", "Hz"),
+    ("percent", "%"),
+    ("radian", "rad"),
+];
+
+fn symbol_of(written_out: &str) -> Option<&'static str> {
+    let lower = written_out.to_lowercase();
+    let singular = lower.strip_suffix('s').unwrap_or(&lower);
+    WRITTEN_OUT.iter().find(|(word, _)| *word == lower || *word == singular).map(|(_, symbol)| *symbol)
+}
+
 /// What an unknown name was probably meant to be: one or two unit texts, or none.
 pub(super) fn suggestions(unknown: &str) -> Vec<String> {
+    if let Some(symbol) = symbol_of(unknown) {
+        return vec![symbol.to_owned()];
+    }
     let names = all_names();
     let near = nearest(unknown, names.iter().map(String::as_str)).map(str::to_owned);
     match two_units_run_together(unknown) {
