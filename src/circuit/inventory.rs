@@ -57,8 +57,9 @@ fn exceeded(patch: &Patch, machine: &Machine, part: Part, count: usize, owned: u
         }
         None => true,
     });
-    let message = format!("the patch takes {count} {}, and the {} has {owned}", part.noun(), machine.name);
-    let hint = Some("save some, or patch it on the machine \"unlimited\"".to_owned());
+    let owned = if owned == 0 { "none".to_owned() } else { owned.to_string() };
+    let message = format!("the patch takes {}, and the {} has {owned}", part.counted(count), machine.name);
+    let hint = Some("do with fewer, or patch it on the machine \"unlimited\"".to_owned());
     Diagnostic { code: Code::Inventory, span: guilty.map(|entry| entry.span), message, hint }
 }
 
@@ -70,7 +71,11 @@ fn listed_parts(patch: &Patch, findings: &mut Vec<Diagnostic>) {
             number_listed(name, entry, key, names, findings);
             for part in names {
                 if let Some(owner) = owners.insert((&key.value, &part.value), name) {
-                    let message = format!("{} is used by {owner} and by {name}", part.value);
+                    let message = if owner == name {
+                        format!("{name} lists {} twice", part.value)
+                    } else {
+                        format!("{} is used by {owner} and by {name}", part.value)
+                    };
                     let hint = "every part is on the machine once";
                     findings.push(Diagnostic::at(Code::PartTwice, part.span, message).hint(hint));
                 }
@@ -89,7 +94,8 @@ fn number_listed(
     let Some(part) = Part::ALL.iter().find(|part| part.key() == key.value) else { return };
     let wanted = taken(entry, *part);
     if names.len() != wanted {
-        let message = format!("{name} is made of {wanted} {} and lists {}", part.noun(), names.len());
-        findings.push(Diagnostic::at(Code::PartCount, key.span, message));
+        let message = format!("{name} is made of {} and lists {}", part.counted(wanted), names.len());
+        let hint = "list as many as it is made of, or leave the list out";
+        findings.push(Diagnostic::at(Code::PartCount, key.span, message).hint(hint));
     }
 }

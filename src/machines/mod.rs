@@ -63,6 +63,15 @@ impl Part {
     pub fn noun(self) -> String {
         self.key().replace('_', " ")
     }
+
+    /// So many of the part, in words: "no relays", "1 relay", "5 diode pairs".
+    pub fn counted(self, count: usize) -> String {
+        match count {
+            0 => format!("no {}", self.noun()),
+            1 => format!("1 {}", self.noun().trim_end_matches('s')),
+            _ => format!("{count} {}", self.noun()),
+        }
+    }
 }
 
 /// A machine that patches can be made for.
