@@ -4,7 +4,7 @@ use super::evaluate::Scratch;
 use super::loops::{LoopFault, Solutions};
 use super::{Loop, Program, Sources};
 use crate::circuit::Circuit;
-use crate::patch::{Code, Diagnostic, Report};
+use crate::patch::{Code, Diagnostic, Report, told};
 
 /// Refuses programs whose coefficients or loops cannot be used.
 pub(super) fn check(circuit: &Circuit, program: &Program) -> Result<(), Box<Report>> {
@@ -19,7 +19,8 @@ fn finding(circuit: &Circuit, program: &Program) -> Option<Diagnostic> {
     let coefficients = program.prepare(&parameters);
     if let Some((coefficient, value)) = program.first_bad(&coefficients) {
         let message = format!("{} comes to {value}", coefficient.label);
-        return Some(Diagnostic::nowhere(Code::NotFinite, message));
+        let hint = Some("look for a wrong power of ten, here or in a scale".to_owned());
+        return Some(Diagnostic { code: Code::NotFinite, span: coefficient.span, message, hint });
     }
     let fault = fault_at_rest(program, &parameters, &coefficients)?;
     Some(diagnostic(circuit, &program.loops[fault.index], fault.solutions))
@@ -54,6 +55,9 @@ fn diagnostic(circuit: &Circuit, entry: &Loop, solutions: Solutions) -> Diagnost
         Solutions::NotStraight | Solutions::NotANumber => {
             (Code::LoopNotPiecewiseLinear, "put an integrator or a lag into the loop")
         }
+        Solutions::Range => {
+            (Code::LoopWithSolutions, "its gain is exactly 1: change it, or put an integrator into the loop")
+        }
         _ => (Code::LoopWithSolutions, "the loop latches up: bring its gain under 1, or invert it once more"),
     };
     let message = format!("the loop {members} has no integrator and {}", tell(solutions, opened));
@@ -62,12 +66,18 @@ fn diagnostic(circuit: &Circuit, entry: &Loop, solutions: Solutions) -> Diagnost
     Diagnostic { code, span, message, hint: Some(hint.to_owned()) }
 }
 
+/// A voltage to the microvolt.
+fn told_volts(volts: f64) -> String {
+    told((volts * 1e6).round() / 1e6)
+}
+
 /// The solutions in words.
 pub(crate) fn tell(solutions: Solutions, opened: &str) -> String {
     match solutions {
         Solutions::Counted { count: 0, .. } => "no set of voltages satisfies it".to_owned(),
         Solutions::Counted { count, first } => {
-            let told: Vec<_> = first.iter().take(count).map(|volts| format!("{volts:.6} V")).collect();
+            let told: Vec<_> =
+                first.iter().take(count).map(|volts| format!("{} V", told_volts(*volts))).collect();
             let more = if count > told.len() { ", ..." } else { "" };
             format!("{count} solutions: {opened} at {}{more}", told.join(", "))
         }

@@ -147,7 +147,10 @@ impl<'c> Lowering<'c> {
         let volt = self.scale(scale);
         let factor = self.early(Op::Constant(factor));
         let register = self.early(Op::Multiply(volt, factor));
-        self.push_coefficient(register, format!("signal {name} per volt"), (f64::MIN, f64::MAX))
+        let index = self.push_coefficient(register, format!("signal {name} per volt"), (f64::MIN, f64::MAX));
+        let signal = self.circuit.patch().signals.get(name);
+        self.program.coefficients[index as usize].span = signal.map(|signal| signal.span);
+        index
     }
 
     fn emit(&mut self, op: Op) -> Register {
@@ -161,7 +164,8 @@ impl<'c> Lowering<'c> {
     }
 
     fn push_coefficient(&mut self, register: Register, label: String, range: (f64, f64)) -> u32 {
-        self.program.coefficients.push(Coefficient { register, label, range });
+        let span = self.circuit.element(self.current).span;
+        self.program.coefficients.push(Coefficient { register, label, range, span });
         self.program.coefficients.len() as u32 - 1
     }
 

@@ -23,6 +23,7 @@ pub(crate) use loops::LoopFault;
 pub(crate) use op::Sources;
 
 use crate::machines::REFERENCE;
+use crate::patch::Span;
 
 /// A circuit as operations. Made by [`Program::new`]; run by [`crate::solve::Machine`].
 #[derive(Debug, Clone, Default)]
@@ -67,6 +68,8 @@ pub struct Coefficient {
     pub label: String,
     /// Least and largest value allowed.
     pub range: (f64, f64),
+    /// Where the patch speaks of it.
+    pub(crate) span: Option<Span>,
 }
 
 /// An element's output.
