@@ -1,0 +1,296 @@
+//! Bad patches beside the reports that they must get.
+//!
+//! `PATCHCORD_BLESS=1 cargo test --test bad_patches` rewrites the reports and docs/diagnostics.md.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use patchcord::circuit::Circuit;
+use patchcord::patch::{Code, Patch, PatchError, Report};
+use patchcord::program::Program;
+
+const FOLDER: &str = "tests/patches/bad";
+
+/// The name and the text of every bad patch.
+fn bad_patches() -> Vec<(String, String)> {
+    let paths = fs::read_dir(FOLDER).unwrap().map(|entry| entry.unwrap().path());
+    let mut patches: Vec<PathBuf> = paths.filter(|path| path.extension().unwrap() == "json").collect();
+    patches.sort();
+    let name = |path: &Path| path.file_stem().unwrap().to_str().unwrap().to_owned();
+    patches.iter().map(|path| (name(path), fs::read_to_string(path).unwrap())).collect()
+}
+
+/// What the first phase that refuses the patch says, or else the warnings.
+fn report(name: &str, text: &str) -> Report {
+    judged(&format!("{name}.json"), text, &[]).unwrap_or_else(|report| *report)
+}
+
+fn judged(file: &str, text: &str, changes: &[(String, f64)]) -> Result<Report, Box<Report>> {
+    let patch = Patch::parse(file, text)?;
+    let circuit = Circuit::new(&patch, changes)?;
+    Program::new(&circuit)?;
+    Ok(circuit.warnings())
+}
+
+/// Holds a text against a file, or writes the file when asked to.
+fn difference(path: &Path, found: &str) -> Option<String> {
+    if std::env::var_os("PATCHCORD_BLESS").is_some() {
+        fs::write(path, found).unwrap();
+    }
+    let expected = fs::read_to_string(path).unwrap_or_default();
+    let shown = format!("== {}\n-- expected\n{expected}\n-- found\n{found}", path.display());
+    (expected != found).then_some(shown)
+}
+
+#[test]
+fn every_bad_patch_gets_its_report() {
+    let differences: Vec<String> = bad_patches()
+        .iter()
+        .filter_map(|(name, text)| {
+            let path = Path::new(FOLDER).join(format!("{name}.txt"));
+            difference(&path, &format!("{}\n", report(name, text)))
+        })
+        .collect();
+    assert!(differences.is_empty(), "PATCHCORD_BLESS=1 accepts these\n{}", differences.join("\n"));
+}
+
+#[test]
+fn every_code_has_a_bad_patch() {
+    let shown: HashSet<Code> = bad_patches()
+        .iter()
+        .flat_map(|(name, text)| report(name, text).findings)
+        .map(|finding| finding.code)
+        .collect();
+    let missing: Vec<_> = Code::ALL.iter().filter(|code| !shown.contains(code)).collect();
+    assert!(missing.is_empty(), "no patch in {FOLDER} gets {missing:?}");
+}
+
+#[test]
+fn every_report_says_something_and_where() {
+    let patches = bad_patches();
+    assert!(patches.len() >= 45, "only {} bad patches are left", patches.len());
+    for (name, text) in patches {
+        let report = report(&name, &text);
+        assert!(!report.findings.is_empty(), "{name} is accepted");
+        assert!(report.findings.iter().all(|finding| finding.span.is_some()), "{name}:\n{report}");
+    }
+}
+
+#[test]
+fn a_patch_is_called_bad_after_what_is_wrong_with_it() {
+    for (name, text) in bad_patches().iter().filter(|(name, _)| !name.starts_with("many-")) {
+        let report = report(name, text);
+        let codes: HashSet<_> = report.findings.iter().map(|finding| finding.code.as_str()).collect();
+        assert_eq!(codes.len(), 1, "{name} has one thing wrong, and is told of several:\n{report}");
+        assert!(codes.iter().all(|code| name.starts_with(code)), "{name} is told of {codes:?}");
+    }
+}
+
+#[test]
+fn bytes_that_are_not_utf8_are_told_with_their_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("latin.json");
+    fs::write(&path, b"{\n  \"patchcord\": 1,\n  \"title\": \"\xe9tude\"\n}\n").unwrap();
+    let Err(PatchError::Text(report)) = Patch::read(&path) else { panic!("latin 1 is accepted") };
+    let [finding] = report.findings.as_slice() else { panic!("one finding is expected:\n{report}") };
+    assert_eq!((finding.code, report.line_and_column(finding.span.unwrap().start)), (Code::Syntax, (3, 13)));
+    assert!(finding.hint.as_ref().unwrap().contains("UTF-8"));
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let error = Patch::read("no/such/patch.json".as_ref()).unwrap_err();
+    assert!(error.to_string().starts_with("cannot read no/such/patch.json"), "{error}");
+}
+
+/// The codes and messages that changes to the parameters of a good patch get.
+fn told_of_changes(changes: &[(&str, f64)]) -> Vec<(Code, String)> {
+    let changes: Vec<_> = changes.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    let Err(report) = judged("fig-8-16.json", &good_patch(), &changes) else { return Vec::new() };
+    assert!(report.findings.iter().all(|finding| finding.hint.is_some()), "{report}");
+    report.findings.into_iter().map(|finding| (finding.code, finding.message)).collect()
+}
+
+#[test]
+fn changes_of_parameters_are_judged_like_the_patch() {
+    assert!(told_of_changes(&[("M", 600.0)]).is_empty());
+    let told = told_of_changes(&[("M", f64::NAN), ("Vcl", 1e-3), ("K", 1e12), ("f", f64::INFINITY)]);
+    let codes: Vec<_> = told.iter().map(|(code, _)| *code).collect();
+    for code in [Code::NotFinite, Code::UnknownName, Code::OutsideRange] {
+        assert!(codes.contains(&code), "{told:?}");
+    }
+    assert_eq!(told.len(), 4, "{told:?}");
+}
+
+#[test]
+fn a_change_may_take_a_setting_out_of_its_range() {
+    let text = fs::read_to_string(Path::new(FOLDER).join("setting-range.json")).unwrap();
+    let report = judged("setting-range.json", &text, &[("T".to_owned(), 0.05)]).unwrap_err();
+    let outside = report.findings.iter().filter(|finding| finding.code == Code::SettingOutside);
+    assert_eq!(outside.count(), 2, "{report}");
+}
+
+fn good_patch() -> String {
+    fs::read_to_string("patches/thesis/fig-8-16.json").unwrap()
+}
+
+/// Numbers that look like chance and are the same in every run (xorshift).
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % end.max(1) as u64) as usize
+    }
+
+    fn one_of<'a, T: ?Sized>(&mut self, items: &[&'a T]) -> &'a T {
+        items[self.below(items.len())]
+    }
+}
+
+/// Words, numbers and signs of a JSON text, each by itself.
+fn tokens(text: &str) -> Vec<&str> {
+    let is_sign = |letter: char| !(letter.is_alphanumeric() || "+-._".contains(letter));
+    text.split_inclusive(is_sign)
+        .flat_map(|piece| {
+            let sign = piece.char_indices().last().filter(|(_, last)| is_sign(*last));
+            let (word, sign) = piece.split_at(sign.map_or(piece.len(), |(at, _)| at));
+            [word, sign]
+        })
+        .filter(|token| !token.is_empty())
+        .collect()
+}
+
+const STRANGE: &[&str] = &[
+    "null",
+    "true",
+    "0",
+    "-1",
+    "1e308",
+    "1e-308",
+    "1e999",
+    "NaN",
+    "\"\"",
+    "\"x10\"",
+    "\"in\"",
+    "\"A3\"",
+    "A3",
+    "ground",
+    "µ",
+    "\\",
+    "\u{feff}",
+    "\r\n",
+    "[",
+    "]",
+    "{",
+    "}",
+    ",",
+    ":",
+    "(",
+    "^",
+    "/",
+    "summer",
+    "pot",
+    "multiplier",
+    "diode-lower-of",
+    "table",
+    "[[0, 0], [1, 1e300]]",
+    "unlimited",
+    "N s/m",
+    "kind",
+];
+
+/// The text with one token deleted, doubled, exchanged for another, or replaced by something strange.
+fn with_another_token(text: &str, dice: &mut Dice) -> String {
+    let mut tokens = tokens(text);
+    let (at, other) = (dice.below(tokens.len()), dice.below(tokens.len()));
+    match dice.below(5) {
+        0 => drop(tokens.remove(at)),
+        1 => tokens.insert(at, tokens[at]),
+        2 => tokens.swap(at, other),
+        3 => tokens[at] = tokens[other],
+        _ => tokens[at] = dice.one_of(STRANGE),
+    }
+    tokens.concat()
+}
+
+/// The text with one byte deleted or replaced, or cut off there.
+fn with_another_byte(text: &str, dice: &mut Dice) -> String {
+    let mut bytes = text.as_bytes().to_vec();
+    let at = dice.below(bytes.len());
+    match dice.below(8) {
+        0 => bytes.truncate(at),
+        1..4 => drop(bytes.remove(at)),
+        _ => bytes[at] = *dice.one_of(&b"{}[],:\"\\ 0123456789.eE+-abxyzABS\n/*".each_ref()),
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+fn mutated(text: &str, dice: &mut Dice) -> String {
+    let rounds = 1 + dice.below(3);
+    (0..rounds).fold(text.to_owned(), |text, _| {
+        if dice.below(3) == 0 { with_another_byte(&text, dice) } else { with_another_token(&text, dice) }
+    })
+}
+
+/// A report that refuses a patch names an error, and can be printed and sent on.
+fn check_refusal(report: &Report, text: &str) {
+    assert!(report.has_errors(), "refused without an error:\n{report}\n{text}");
+    assert!(report.findings.iter().all(|finding| finding.span.is_some()), "{report}\n{text}");
+    let lines = report.text.lines().count() + 1;
+    for finding in report.to_json().as_array().unwrap() {
+        assert!(finding["line"].as_u64().unwrap() as usize <= lines);
+    }
+}
+
+#[test]
+fn mutated_patches_get_a_report_or_a_circuit() {
+    let good = good_patch();
+    let mut dice = Dice(0x9e37_79b9_7f4a_7c15);
+    let mut refused = 0;
+    for _ in 0..4000 {
+        let text = mutated(&good, &mut dice);
+        match judged("mutated.json", &text, &[]) {
+            Err(report) => {
+                refused += 1;
+                check_refusal(&report, &text);
+            }
+            Ok(warnings) => assert!(!warnings.has_errors(), "{warnings}"),
+        }
+    }
+    assert!((2000..4000).contains(&refused), "{refused} of 4000 are refused");
+}
+
+const DIAGNOSTICS: &str = "docs/diagnostics.md";
+/// The bad patch whose report opens the page.
+const EXAMPLE: &str = "unknown-name-cord";
+
+fn diagnostics_page() -> String {
+    let text = fs::read_to_string(Path::new(FOLDER).join(format!("{EXAMPLE}.json"))).unwrap();
+    let example = report(EXAMPLE, &text);
+    let rows: String = Code::ALL.iter().map(|code| row(*code)).collect();
+    format!(
+        "# Diagnostics\n\n\
+         What patchcord says about a patch that it cannot run, or that it runs with a doubt. All findings come \
+         at once, each with a code that never changes, its place in the file, what is wrong, and, where there \
+         is something to say, what to do:\n\n```text\n{example}\n```\n\n\
+         An *error* stops the patch; a *warning* does not. With `--json` every finding is an object of `code`, \
+         `severity`, `file`, `line`, `column`, `message` and `hint`. For every code there are patches in \
+         `{FOLDER}`, named after it, each beside the report that it gets.\n\n\
+         | code | severity | meaning |\n|---|---|---|\n{rows}\n\
+         This page is written by `PATCHCORD_BLESS=1 cargo test --test bad_patches`.\n"
+    )
+}
+
+fn row(code: Code) -> String {
+    format!("| `{}` | {} | {} |\n", code.as_str(), code.severity().as_str(), code.meaning())
+}
+
+#[test]
+fn the_page_of_diagnostics_is_not_stale() {
+    let difference = difference(DIAGNOSTICS.as_ref(), &diagnostics_page());
+    assert!(difference.is_none(), "PATCHCORD_BLESS=1 accepts this\n{}", difference.unwrap_or_default());
+}
