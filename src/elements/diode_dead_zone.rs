@@ -3,48 +3,27 @@
 use crate::machines::Part;
 use crate::program::{Lowering, Register};
 
-use super::{Default, Family, Input, Jacks, Kind, Measure, Output, Setting, Takes};
-
-const fn jack(name: &'static str, description: &'static str) -> Input {
-    Input { name, jacks: Jacks::One, required: true, direct: true, description }
-}
+use super::{Input, Kind, Measure, Setting, Takes};
 
 pub(super) static KIND: Kind = Kind {
     name: "diode-dead-zone",
-    family: Family::Computing,
     summary: "dead zone of two free pots and a diode pair, its width set by two bias voltages",
     law: "out = max(0, in - r (in - bias_minus) - drop) + min(0, in - r (in - bias_plus) + drop), r the setting: \
           breaks at bias r / (1 - r), slope 1 - r beyond",
-    overload: "has no amplifier: cannot overload",
-    modes: "computes in every mode",
     source: "thesis Fig 8.5 (c), eq. 17-8 to 27-8",
     symbol: "diode-dead-zone",
     inputs: &[
-        jack("in", "signal, at one end of both tracks"),
-        jack("bias_plus", "+VB, at the other end of the track for negative signals"),
-        jack("bias_minus", "-VB, at the other end of the track for positive signals"),
+        Input::jack("in", "signal, at one end of both tracks"),
+        Input::jack("bias_plus", "+VB, at the other end of the track for negative signals"),
+        Input::jack("bias_minus", "-VB, at the other end of the track for positive signals"),
     ],
     settings: &[
-        Setting {
-            name: "setting",
-            measure: Measure::Fraction,
-            default: Default::Required,
-            range: (0.0, 1.0),
-            description: "position r of both wipers, 0 at the signal's end",
-        },
-        Setting {
-            name: "drop",
-            measure: Measure::Volts,
-            default: Default::Number(0.0),
-            range: (0.0, 10.0),
-            description: "forward drop of the diodes",
-        },
+        Setting::required("setting", Measure::Fraction, "position r of both wipers, 0 at the signal's end"),
+        Setting::DIODE_DROP,
     ],
-    ordered: &[],
     parts: &[Takes::always(Part::FreePot, 2), Takes::always(Part::DiodePair, 1)],
-    output: Output::Passive,
     output_law,
-    memory_law: None,
+    ..Kind::NETWORK
 };
 
 fn output_law(lowering: &mut Lowering<'_>) -> Register {

@@ -3,36 +3,19 @@
 use crate::machines::Part;
 use crate::program::{Lowering, Register};
 
-use super::{Default, Family, Input, Jacks, Kind, Measure, Output, Setting, Takes};
+use super::{Input, Jacks, Kind, Setting, Takes};
 
 pub(super) static KIND: Kind = Kind {
     name: "diode-upper-of",
-    family: Family::Computing,
     summary: "diode pair that passes on the upper of two voltages",
     law: "out = max(in, in) - drop",
-    overload: "has no amplifier: cannot overload",
-    modes: "computes in every mode",
     source: "thesis 8.2, point (U) of Fig 8.9",
     symbol: "diode-upper-of",
-    inputs: &[Input {
-        name: "in",
-        jacks: Jacks::Exactly(2),
-        required: true,
-        direct: true,
-        description: "the two voltages",
-    }],
-    settings: &[Setting {
-        name: "drop",
-        measure: Measure::Volts,
-        default: Default::Number(0.0),
-        range: (0.0, 10.0),
-        description: "forward drop of the diodes",
-    }],
-    ordered: &[],
+    inputs: &[Input::jack("in", "the two voltages").jacks(Jacks::Exactly(2))],
+    settings: &[Setting::DIODE_DROP],
     parts: &[Takes::always(Part::DiodePair, 1)],
-    output: Output::Passive,
     output_law,
-    memory_law: None,
+    ..Kind::NETWORK
 };
 
 fn output_law(lowering: &mut Lowering<'_>) -> Register {

@@ -2,36 +2,18 @@
 
 use crate::program::{Lowering, Register};
 
-use super::{Default, Family, Input, Jacks, Kind, Measure, Output, Setting};
+use super::{Input, Kind, Measure, Setting};
 
 pub(super) static KIND: Kind = Kind {
     name: "key-switch",
-    family: Family::Computing,
     summary: "switch that an operator sets by hand",
     law: "closed: out = in; open: out = 0",
-    overload: "has no amplifier: cannot overload",
-    modes: "computes in every mode",
     source: "thesis 8.3, Fig 8.15",
     symbol: "switch",
-    inputs: &[Input {
-        name: "in",
-        jacks: Jacks::One,
-        required: true,
-        direct: true,
-        description: "what it lets through",
-    }],
-    settings: &[Setting {
-        name: "closed",
-        measure: Measure::Flag,
-        default: Default::Number(1.0),
-        range: (0.0, 1.0),
-        description: "whether it lets its input through",
-    }],
-    ordered: &[],
-    parts: &[],
-    output: Output::Passive,
+    inputs: &[Input::jack("in", "what it lets through")],
+    settings: &[Setting::preset("closed", Measure::Flag, 1.0, "whether it lets its input through")],
     output_law,
-    memory_law: None,
+    ..Kind::NETWORK
 };
 
 fn output_law(lowering: &mut Lowering<'_>) -> Register {

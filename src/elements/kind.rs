@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::machines::Part;
+use crate::machines::{Part, REFERENCE};
 use crate::program::{Lowering, Register};
 
 /// One kind of computing element or drive: a row of the registry.
@@ -170,7 +170,81 @@ impl fmt::Debug for Kind {
     }
 }
 
+impl Measure {
+    /// The widest range that a value of this measure can have.
+    const fn widest(self) -> (f64, f64) {
+        match self {
+            Measure::Fraction | Measure::Flag => (0.0, 1.0),
+            Measure::Volts => (-REFERENCE, REFERENCE),
+            Measure::MachineSeconds | Measure::Seconds | Measure::Hertz => (0.0, f64::MAX),
+            _ => (f64::MIN, f64::MAX),
+        }
+    }
+}
+
+impl Input {
+    /// An input of one jack that the patch must drive and that acts within the same instant.
+    pub const fn jack(name: &'static str, description: &'static str) -> Self {
+        Input { name, jacks: Jacks::One, required: true, direct: true, description }
+    }
+
+    /// Summing inputs with gains that the patch must drive and that act within the same instant.
+    pub const fn gains(name: &'static str, description: &'static str) -> Self {
+        Input { name, jacks: Jacks::Gains, required: true, direct: true, description }
+    }
+
+    /// The same input with other jacks.
+    pub const fn jacks(self, jacks: Jacks) -> Self {
+        Input { jacks, ..self }
+    }
+
+    /// The same input, which acts through the element's memory only.
+    pub const fn remembered(self) -> Self {
+        Input { direct: false, ..self }
+    }
+
+    /// The same input, which may be left open.
+    pub const fn open(self) -> Self {
+        Input { required: false, ..self }
+    }
+}
+
 impl Kind {
+    /// What networks without an amplifier have in common.
+    pub const NETWORK: Kind = Kind {
+        name: "",
+        family: Family::Computing,
+        summary: "",
+        law: "",
+        overload: "has no amplifier: cannot overload",
+        modes: "computes in every mode",
+        source: "",
+        symbol: "",
+        inputs: &[],
+        settings: &[],
+        ordered: &[],
+        parts: &[],
+        output: Output::Passive,
+        output_law: |lowering| lowering.constant(0.0),
+        memory_law: None,
+    };
+
+    /// What drives have in common.
+    pub const DRIVE: Kind = Kind {
+        family: Family::Drive,
+        overload: "its output amplifier stops at ±100 V; the lamp lights when more is asked for",
+        modes: "stands at its value of t = 0 in initial condition; its time stops in hold",
+        output: Output::Amplifier,
+        ..Kind::NETWORK
+    };
+
+    /// What amplifiers that do not integrate have in common.
+    pub const AMPLIFIER: Kind = Kind {
+        overload: "stops at ±100 V; the lamp lights when more is asked for",
+        output: Output::Amplifier,
+        ..Kind::NETWORK
+    };
+
     /// The input of this name, or whose prefix with a gain this is, and that gain.
     pub fn input(&self, jack: &str) -> Option<(usize, f64)> {
         self.inputs.iter().enumerate().find_map(|(index, input)| match input.jacks {
@@ -199,6 +273,30 @@ fn gain_of(prefix: &str, jack: &str) -> Option<f64> {
 }
 
 impl Setting {
+    /// The forward drop that elements with diodes have in common.
+    pub const DIODE_DROP: Setting =
+        Setting::preset("drop", Measure::Volts, 0.0, "forward drop of the diodes").within(0.0, 10.0);
+
+    /// A setting that the patch must give, in the widest range that its measure allows.
+    pub const fn required(name: &'static str, measure: Measure, description: &'static str) -> Self {
+        Setting { name, measure, default: Default::Required, range: measure.widest(), description }
+    }
+
+    /// A setting with a default.
+    pub const fn preset(name: &'static str, measure: Measure, value: f64, description: &'static str) -> Self {
+        Setting { name, measure, default: Default::Number(value), range: measure.widest(), description }
+    }
+
+    /// A setting that the element can do without.
+    pub const fn optional(name: &'static str, measure: Measure, description: &'static str) -> Self {
+        Setting { name, measure, default: Default::Absent, range: measure.widest(), description }
+    }
+
+    /// The same setting in a narrower range.
+    pub const fn within(self, low: f64, high: f64) -> Self {
+        Setting { range: (low, high), ..self }
+    }
+
     /// A setting that is a number: the unit in which its plain numbers stand.
     pub fn unit(&self) -> &'static str {
         match self.measure {

@@ -3,7 +3,7 @@
 use crate::machines::REFERENCE as VOLTS;
 use crate::program::{Lowering, Register};
 
-use super::{Default, Family, Kind, Measure, Output, Setting};
+use super::{Family, Kind, Measure, Setting};
 
 /// Names under which cords reach the references, and their voltages.
 pub(crate) const REFERENCES: &[(&str, f64)] = &[("+100", VOLTS), ("-100", -VOLTS), ("ground", 0.0)];
@@ -13,23 +13,11 @@ pub(crate) static REFERENCE: Kind = Kind {
     family: Family::Reference,
     summary: "fixed voltage of the machine",
     law: "out = volts",
-    overload: "cannot overload",
-    modes: "the same in every mode",
     source: "thesis 8.1",
     symbol: "reference",
-    inputs: &[],
-    settings: &[Setting {
-        name: "volts",
-        measure: Measure::Volts,
-        default: Default::Required,
-        range: (-VOLTS, VOLTS),
-        description: "its voltage",
-    }],
-    ordered: &[],
-    parts: &[],
-    output: Output::Passive,
+    settings: &[Setting::required("volts", Measure::Volts, "its voltage")],
     output_law,
-    memory_law: None,
+    ..Kind::NETWORK
 };
 
 fn output_law(lowering: &mut Lowering<'_>) -> Register {

@@ -5,53 +5,22 @@ use std::f64::consts::TAU;
 use crate::patch::Function;
 use crate::program::{Lowering, Register};
 
-use super::{Default, Family, Kind, Measure, Output, Setting};
+use super::{Kind, Measure, Setting};
 
 pub(super) static KIND: Kind = Kind {
     name: "sine",
-    family: Family::Drive,
     summary: "a sine wave about an offset",
     law: "out = offset + amplitude x sin(2 pi frequency t + phase)",
-    overload: "its output amplifier stops at ±100 V; the lamp lights when more is asked for",
-    modes: "stands at its value of t = 0 in initial condition; its time stops in hold",
     source: "oscillator of the period; thesis 8.3 (10 V on -50 V at 1/Tc)",
     symbol: "drive-sine",
-    inputs: &[],
     settings: &[
-        Setting {
-            name: "amplitude",
-            measure: Measure::Signal,
-            default: Default::Required,
-            range: (f64::MIN, f64::MAX),
-            description: "height above and below the offset",
-        },
-        Setting {
-            name: "frequency",
-            measure: Measure::Hertz,
-            default: Default::Required,
-            range: (0.0, f64::MAX),
-            description: "periods per second",
-        },
-        Setting {
-            name: "phase",
-            measure: Measure::Radians,
-            default: Default::Number(0.0),
-            range: (f64::MIN, f64::MAX),
-            description: "lead at t = 0",
-        },
-        Setting {
-            name: "offset",
-            measure: Measure::Signal,
-            default: Default::Number(0.0),
-            range: (f64::MIN, f64::MAX),
-            description: "mean value",
-        },
+        Setting::required("amplitude", Measure::Signal, "height above and below the offset"),
+        Setting::required("frequency", Measure::Hertz, "periods per second"),
+        Setting::preset("phase", Measure::Radians, 0.0, "lead at t = 0"),
+        Setting::preset("offset", Measure::Signal, 0.0, "mean value"),
     ],
-    ordered: &[],
-    parts: &[],
-    output: Output::Amplifier,
     output_law,
-    memory_law: None,
+    ..Kind::DRIVE
 };
 
 fn output_law(lowering: &mut Lowering<'_>) -> Register {

@@ -1,38 +1,16 @@
 //! The soft limiter that an amplifier may carry: a biased diode across it.
 
-use crate::machines::REFERENCE;
 use crate::program::{Lowering, Register};
 
-use super::{Default, Measure, Setting};
-
-const fn level(name: &'static str, description: &'static str) -> Setting {
-    Setting {
-        name,
-        measure: Measure::Volts,
-        default: Default::Absent,
-        range: (-REFERENCE, REFERENCE),
-        description,
-    }
-}
+use super::{Measure, Setting};
 
 /// The settings of a soft limiter.
 pub(super) const LIMIT_SETTINGS: &[Setting] = &[
-    level("limit.upper", "output above which the upper diode conducts"),
-    level("limit.lower", "output below which the lower diode conducts"),
-    Setting {
-        name: "limit.slope",
-        measure: Measure::Ratio,
-        default: Default::Number(0.0),
-        range: (0.0, 1.0),
-        description: "slope that is left beyond a limit (0: flat)",
-    },
-    Setting {
-        name: "limit.drop",
-        measure: Measure::Volts,
-        default: Default::Number(0.0),
-        range: (0.0, 10.0),
-        description: "forward drop of the diodes: moves both limits outward",
-    },
+    Setting::optional("limit.upper", Measure::Volts, "output above which the upper diode conducts"),
+    Setting::optional("limit.lower", Measure::Volts, "output below which the lower diode conducts"),
+    Setting::preset("limit.slope", Measure::Ratio, 0.0, "slope that is left beyond a limit (0: flat)")
+        .within(0.0, 1.0),
+    Setting { name: "limit.drop", ..Setting::DIODE_DROP },
 ];
 
 /// The output after the limiter, or the output itself where none is set.

@@ -4,24 +4,15 @@ use crate::machines::Part;
 use crate::program::{Lowering, Register};
 
 use super::soft_limit::{self, LIMIT_SETTINGS};
-use super::{Family, Input, Jacks, Kind, Output, Takes};
+use super::{Input, Kind, Takes};
 
 pub(super) static KIND: Kind = Kind {
     name: "summer",
-    family: Family::Computing,
     summary: "summing amplifier: adds its inputs, each times its gain, and inverts",
     law: "out = -(sum of gain x input); beyond a limit L: L + slope x (out - L)",
-    overload: "stops at ±100 V; the lamp lights when more is asked for",
-    modes: "computes in every mode",
     source: "thesis 8.1; soft limiter 8.2, Fig 8.9",
     symbol: "amplifier",
-    inputs: &[Input {
-        name: "x",
-        jacks: Jacks::Gains,
-        required: true,
-        direct: true,
-        description: "summing inputs, the gain in the name",
-    }],
+    inputs: &[Input::gains("x", "summing inputs, the gain in the name")],
     settings: LIMIT_SETTINGS,
     ordered: &[("limit.lower", "limit.upper")],
     parts: &[
@@ -30,9 +21,8 @@ pub(super) static KIND: Kind = Kind {
         Takes::with("limit.upper", Part::FreePot, 1),
         Takes::with("limit.lower", Part::FreePot, 1),
     ],
-    output: Output::Amplifier,
     output_law,
-    memory_law: None,
+    ..Kind::AMPLIFIER
 };
 
 fn output_law(lowering: &mut Lowering<'_>) -> Register {

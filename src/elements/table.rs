@@ -2,30 +2,17 @@
 
 use crate::program::{Lowering, Register};
 
-use super::{Default, Family, Kind, Measure, Output, Setting};
+use super::{Kind, Measure, Setting};
 
 pub(super) static KIND: Kind = Kind {
     name: "table",
-    family: Family::Drive,
     summary: "a curve through points in time: straight between them, level before and after",
     law: "out = the straight line between the points on either side of t",
-    overload: "its output amplifier stops at ±100 V; the lamp lights when more is asked for",
-    modes: "stands at its value of t = 0 in initial condition; its time stops in hold",
     source: "curve follower of the period",
     symbol: "drive-table",
-    inputs: &[],
-    settings: &[Setting {
-        name: "points",
-        measure: Measure::Points,
-        default: Default::Required,
-        range: (f64::MIN, f64::MAX),
-        description: "points [time, value], times rising",
-    }],
-    ordered: &[],
-    parts: &[],
-    output: Output::Amplifier,
+    settings: &[Setting::required("points", Measure::Points, "points [time, value], times rising")],
     output_law,
-    memory_law: None,
+    ..Kind::DRIVE
 };
 
 fn output_law(lowering: &mut Lowering<'_>) -> Register {

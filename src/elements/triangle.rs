@@ -2,49 +2,23 @@
 
 use crate::program::{Lowering, Register};
 
-use super::{Default, Family, Kind, Measure, Output, Setting};
+use super::{Kind, Measure, Setting};
 
 pub(super) static KIND: Kind = Kind {
     name: "triangle",
-    family: Family::Drive,
     summary: "a triangular wave about an offset, starting upward from it",
     law: "out = offset + amplitude x tri(frequency t), tri rising from 0 to 1, falling to -1, back to 0 in one period",
-    overload: "its output amplifier stops at ±100 V; the lamp lights when more is asked for",
-    modes: "stands at its value of t = 0 in initial condition; its time stops in hold",
     source: "function generator of the period",
     symbol: "drive-triangle",
-    inputs: &[],
     settings: &[
-        Setting {
-            name: "amplitude",
-            measure: Measure::Signal,
-            default: Default::Required,
-            range: (f64::MIN, f64::MAX),
-            description: "height above and below the offset",
-        },
-        Setting {
-            name: "frequency",
-            measure: Measure::Hertz,
-            default: Default::Required,
-            range: (0.0, f64::MAX),
-            description: "periods per second",
-        },
-        Setting {
-            name: "offset",
-            measure: Measure::Signal,
-            default: Default::Number(0.0),
-            range: (f64::MIN, f64::MAX),
-            description: "mean value",
-        },
+        Setting::required("amplitude", Measure::Signal, "height above and below the offset"),
+        Setting::required("frequency", Measure::Hertz, "periods per second"),
+        Setting::preset("offset", Measure::Signal, 0.0, "mean value"),
     ],
-    ordered: &[],
-    parts: &[],
-    output: Output::Amplifier,
     output_law,
-    memory_law: None,
+    ..Kind::DRIVE
 };
 
-// With s = frequency t + 1/4 and its fraction p: tri = 1 - |4 p - 2|, which is 0 and rising at t = 0.
 fn output_law(lowering: &mut Lowering<'_>) -> Register {
     let (time, frequency) = (lowering.time(), lowering.get("frequency"));
     let periods = lowering.multiply(frequency, time);
