@@ -1,0 +1,56 @@
+//! Every patch that comes with the program can be run as it stands.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use patchcord::circuit::Circuit;
+use patchcord::patch::Patch;
+use patchcord::program::Program;
+use patchcord::solve::{self, RunSettings};
+
+/// Fragments, which run only once they are attached to something.
+const FRAGMENTS: &str = "effects";
+
+fn patches_in(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() && path.file_name().is_some_and(|name| name != FRAGMENTS) {
+            found.extend(patches_in(&path));
+        } else if path.extension().is_some_and(|extension| extension == "json") {
+            found.push(path);
+        }
+    }
+    found
+}
+
+fn every_patch() -> Vec<Patch> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("patches");
+    let patches = patches_in(&folder);
+    assert!(patches.len() >= 5, "{patches:?}");
+    patches.iter().map(|path| Patch::read(path).unwrap_or_else(|error| panic!("{error}"))).collect()
+}
+
+fn circuit(patch: &Patch) -> Circuit {
+    Circuit::new(patch, &[]).unwrap_or_else(|report| panic!("{report}"))
+}
+
+#[test]
+fn shipped_patches_give_neither_errors_nor_warnings() {
+    for patch in every_patch() {
+        let warnings = circuit(&patch).warnings();
+        assert!(warnings.findings.is_empty(), "{warnings}");
+    }
+}
+
+#[test]
+fn shipped_patches_run_without_overload() {
+    for patch in every_patch() {
+        let circuit = circuit(&patch);
+        let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
+        let own = RunSettings::of(&circuit).unwrap();
+        let settings = RunSettings { duration: own.duration.min(0.1), repeat: 1, ..own };
+        let trace = solve::run(&program, &settings).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(trace.overloads().count(), 0, "{}: {:?}", patch.file(), trace.sweeps);
+    }
+}

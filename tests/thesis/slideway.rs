@@ -1,0 +1,207 @@
+//! The slideway in physical units, written down apart from any wiring.
+
+use crate::bench::{self, Changes};
+use crate::dice::Dice;
+
+/// How solid friction depends on velocity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Law {
+    /// None at all.
+    Absent,
+    /// The same at every velocity.
+    Constant,
+    /// Straight down to 0 at VcL.
+    Straight,
+    /// Down to 0 at VcL along a square law.
+    Square,
+    /// The same, following velocity with the lag Tc.
+    Remembered,
+}
+
+/// e' = v_in - v, w = K (e + x_step), M v' = dead_zone(w, F) - f v, Tc u' = (1 - min(|v| / VcL, 1)) - u.
+#[derive(Debug, Clone)]
+pub struct Slideway {
+    pub law: Law,
+    pub mass: f64,
+    pub stiffness: f64,
+    pub viscous: f64,
+    pub solid: f64,
+    pub vcl: f64,
+    pub tc: f64,
+    pub v_start: f64,
+    pub v_rate: f64,
+    pub v_turn: f64,
+    pub x_step: f64,
+}
+
+/// Position error, output velocity, remembered share of friction.
+type State = [f64; 3];
+
+const AT_REST: State = [0.0, 0.0, 1.0];
+
+impl Slideway {
+    /// The final setting of the thesis (8.4) in a law.
+    pub fn thesis(law: Law) -> Self {
+        Slideway {
+            law,
+            mass: 433.0,
+            stiffness: 45e6,
+            viscous: 10.7e3,
+            solid: 771.0,
+            vcl: 2.54e-3,
+            tc: 0.0065,
+            v_start: 0.0,
+            v_rate: 1.2e-3,
+            v_turn: 3600.0,
+            x_step: 0.0,
+        }
+    }
+
+    /// A setting from the ranges of the patches.
+    pub fn random(law: Law, dice: &mut Dice) -> Self {
+        Slideway {
+            mass: dice.logarithmic(180.0, 4000.0),
+            stiffness: dice.logarithmic(5e6, 178e6),
+            viscous: dice.logarithmic(100.0, 178e3),
+            solid: dice.even(1.0, 2000.0),
+            vcl: dice.logarithmic(0.254e-3, 50e-3),
+            tc: dice.logarithmic(1e-3, 1.0),
+            v_start: dice.even(-0.01, 0.01),
+            v_rate: dice.even(-3e-3, 3e-3),
+            v_turn: dice.even(0.0, 0.4),
+            ..Slideway::thesis(law)
+        }
+    }
+
+    /// The same setting for the patch of its law.
+    pub fn changes(&self) -> Changes {
+        let mut changes = bench::changes(&[
+            ("M", self.mass),
+            ("K", self.stiffness),
+            ("f", self.viscous),
+            ("v_start", self.v_start),
+            ("v_rate", self.v_rate),
+            ("v_turn", self.v_turn),
+            ("x_step", self.x_step),
+        ]);
+        if self.law != Law::Absent {
+            changes.push(("Fs".into(), self.solid));
+        }
+        if !matches!(self.law, Law::Absent | Law::Constant) {
+            changes.push(("VcL".into(), self.vcl));
+        }
+        if self.law == Law::Remembered {
+            changes.push(("Tc".into(), self.tc));
+        }
+        changes
+    }
+
+    /// Output velocity at 0, every, 2 every, ... by the classical Runge-Kutta method with this step.
+    pub fn velocity(&self, duration: f64, every: f64, step: f64) -> Vec<f64> {
+        let (rows, steps) = ((duration / every).round() as usize, (every / step).round() as usize);
+        let mut state = AT_REST;
+        let mut velocities = vec![state[1]];
+        for row in 0..rows {
+            for index in 0..steps {
+                state = self.stepped(state, (row * steps + index) as f64 * step, step);
+            }
+            velocities.push(state[1]);
+        }
+        velocities
+    }
+
+    fn stepped(&self, state: State, time: f64, step: f64) -> State {
+        let first = self.rates(state, time);
+        let second = self.rates(ahead(state, first, step / 2.0), time + step / 2.0);
+        let third = self.rates(ahead(state, second, step / 2.0), time + step / 2.0);
+        let fourth = self.rates(ahead(state, third, step), time + step);
+        std::array::from_fn(|index| {
+            let sum = first[index] + 2.0 * second[index] + 2.0 * third[index] + fourth[index];
+            state[index] + step / 6.0 * sum
+        })
+    }
+
+    fn rates(&self, [error, velocity, memory]: State, time: f64) -> State {
+        let spring = self.stiffness * (error + self.x_step);
+        let share = 1.0 - (velocity.abs() / self.vcl).min(1.0);
+        let accelerating = beyond(spring, self.friction(share, memory)) - self.viscous * velocity;
+        let commanded = self.v_start + self.v_rate * time.min(2.0 * self.v_turn - time);
+        [commanded - velocity, accelerating / self.mass, (share - memory) / self.tc]
+    }
+
+    fn friction(&self, share: f64, memory: f64) -> f64 {
+        self.solid
+            * match self.law {
+                Law::Absent => 0.0,
+                Law::Constant => 1.0,
+                Law::Straight => share,
+                Law::Square => share * share,
+                Law::Remembered => memory.max(0.0) * memory.max(0.0),
+            }
+    }
+}
+
+fn ahead(state: State, rates: State, step: f64) -> State {
+    std::array::from_fn(|index| state[index] + step * rates[index])
+}
+
+/// What of a force lies beyond the dead zone.
+fn beyond(force: f64, friction: f64) -> f64 {
+    (force - friction).max(0.0) + (force + friction).min(0.0)
+}
+
+/// Compared over this time, in seconds, at instants this far apart, against equations with this step.
+const COMPARED: f64 = 0.2;
+const EVERY: f64 = 1e-3;
+const FINE_STEP: f64 = 1e-7;
+/// Wiring at its own step and equations at the fine one may differ by this share of the peak velocity;
+/// 1.5e-5 is what the steps over the kinks come to.
+const TOLERANCE: f64 = 1e-4;
+
+/// Output velocity of the wiring at its own step, unless a lamp lit.
+pub fn wired(stem: &str, slideway: &Slideway, duration: f64) -> Option<Vec<f64>> {
+    let trace = bench::run(stem, &slideway.changes(), duration, EVERY, &["v_o"]);
+    bench::lit(&trace).is_empty().then(|| trace.values("v_o").unwrap())
+}
+
+/// Holds the wiring against what the output velocity should be; tells whether it could, no lamp being lit.
+fn agrees(stem: &str, slideway: &Slideway, expected: impl Fn() -> Vec<f64>) -> bool {
+    let Some(found) = wired(stem, slideway, COMPARED) else { return false };
+    let off = bench::difference(&found, &expected());
+    assert!(off < TOLERANCE, "{stem} is {off:.1e} off at {slideway:?}");
+    true
+}
+
+/// Holds the wiring at its own step against the equations at a fine one.
+pub fn agrees_at(stem: &str, slideway: &Slideway) -> bool {
+    agrees(stem, slideway, || slideway.velocity(COMPARED, EVERY, FINE_STEP))
+}
+
+/// The same at 20 random settings at which no lamp lights; such settings must be the larger part.
+pub fn agrees_at_random_settings(stem: &str, law: Law, check: impl Fn(&str, &Slideway) -> bool) {
+    let mut dice = Dice(816);
+    let (mut compared, mut skipped) = (0, 0);
+    while compared < 20 {
+        let outcome = check(stem, &Slideway::random(law, &mut dice));
+        if outcome {
+            compared += 1
+        } else {
+            skipped += 1
+        }
+        assert!(skipped <= 20, "{stem} overloads at {skipped} settings");
+    }
+}
+
+/// Holds the wiring against the equations at the wiring's own step: nothing but rounding differs.
+pub fn equals_at_own_step(stem: &str, slideway: &Slideway, duration: f64) -> bool {
+    let Some(found) = wired(stem, slideway, duration) else { return false };
+    let off = bench::difference(&found, &slideway.velocity(duration, EVERY, 2e-5));
+    assert!(off < 1e-9, "{stem} is {off:.1e} off at {slideway:?}");
+    true
+}
+
+/// The same at random settings, for a short time: there are some at which the last bit of K comes to 2e-9
+/// after 2 s of stick-slip.
+pub fn equals_at_random_settings(stem: &str, law: Law) {
+    agrees_at_random_settings(stem, law, |stem, slideway| equals_at_own_step(stem, slideway, COMPARED));
+}
