@@ -155,7 +155,7 @@ const COMPARED: f64 = 0.2;
 const EVERY: f64 = 1e-3;
 const FINE_STEP: f64 = 1e-7;
 /// Wiring at its own step and equations at the fine one may differ by this share of the peak velocity;
-/// 1.5e-5 is what the steps over the kinks come to.
+/// the steps over the kinks come to 6.1e-5 at the worst of the settings here.
 const TOLERANCE: f64 = 1e-4;
 
 /// Output velocity of the wiring at its own step, unless a lamp lit.
@@ -177,18 +177,15 @@ pub fn agrees_at(stem: &str, slideway: &Slideway) -> bool {
     agrees(stem, slideway, || slideway.velocity(COMPARED, EVERY, FINE_STEP))
 }
 
-/// The same at 20 random settings at which no lamp lights; such settings must be the larger part.
+/// The same at 20 random settings at which no lamp lights; few may be lost to overload.
 pub fn agrees_at_random_settings(stem: &str, law: Law, check: impl Fn(&str, &Slideway) -> bool) {
     let mut dice = Dice(816);
     let (mut compared, mut skipped) = (0, 0);
     while compared < 20 {
-        let outcome = check(stem, &Slideway::random(law, &mut dice));
-        if outcome {
-            compared += 1
-        } else {
-            skipped += 1
-        }
-        assert!(skipped <= 20, "{stem} overloads at {skipped} settings");
+        let could = check(stem, &Slideway::random(law, &mut dice));
+        compared += usize::from(could);
+        skipped += usize::from(!could);
+        assert!(skipped <= 5, "{stem} cannot be compared at {skipped} settings");
     }
 }
 
