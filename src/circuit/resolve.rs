@@ -1,6 +1,6 @@
 //! From the patch to the circuit, finding everything that is wrong on the way.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use petgraph::graph::{DiGraph, NodeIndex};
 
@@ -255,11 +255,12 @@ fn gains(machine: &Machine, kind: &Kind) -> &'static [f64] {
 
 /// Warns of elements whose output nothing reads and nobody records.
 fn unused(graph: &Graph, points: &[super::SignalPoint], findings: &mut Vec<Diagnostic>) {
+    let named = points.iter().filter(|point| point.name != graph[NodeIndex::new(point.element)].name);
+    let named: HashSet<usize> = named.map(|point| point.element).collect();
     for index in graph.node_indices() {
         let element = &graph[index];
-        let named = points.iter().any(|point| point.element == index.index() && point.name != element.name);
         let Some(span) = element.span else { continue };
-        if graph.neighbors(index).next().is_none() && !named {
+        if graph.neighbors(index).next().is_none() && !named.contains(&index.index()) {
             let message = format!("nothing reads {}", element.name);
             let hint = "name a signal at it, plug it in somewhere, or leave it out";
             findings.push(Diagnostic::at(Code::UnusedElement, span, message).hint(hint));

@@ -123,6 +123,9 @@ fn scaled_signal(circuit: &Circuit, element: usize) -> Option<&SignalPoint> {
 fn row(circuit: &Circuit, output: &SignalPoint, stretch: &Stretch) -> Option<ScalingRow> {
     let (input_scale, input_unit) = volt(circuit, &stretch.input)?;
     let (output_scale, output_unit) = volt(circuit, output)?;
+    if input_scale == 0.0 || output_scale == 0.0 {
+        return None;
+    }
     let per_second = circuit.time_scale().powi(stretch.integrations);
     let block_gain = stretch.gain * per_second * output_scale / input_scale;
     let seconds = Dimension::TIME.power(f64::from(stretch.integrations));

@@ -145,7 +145,7 @@ impl Quantities {
         let value =
             self.checked(placed, |found| found == wanted, &in_unit(&self.scales[index].unit), findings)?;
         let value = if self.is_plain(&placed.value) { self.scales[index].unit.to_si(value) } else { value };
-        if value == 0.0 {
+        if value == 0.0 && self.is_plain(&placed.value) {
             let message = "a scale of 0 per volt measures nothing";
             let hint = "per_volt is what one volt stands for";
             findings.push(Diagnostic::at(Code::BadNumber, placed.span, message).hint(hint));

@@ -4,7 +4,7 @@ use petgraph::graph::NodeIndex;
 
 use super::resolve::Graph;
 use super::scope::{Quantities, too_large};
-use crate::elements::{Family, Kind, Measure, Output, Setting};
+use crate::elements::{Family, Kind, Measure, Output, REFERENCES, Setting};
 use crate::patch::{Amount, Code, Diagnostic, Dimension, Entry, Formula, Patch, Placed, Unit, told};
 
 /// Whether every cord is where the patch wants it.
@@ -23,9 +23,10 @@ pub(super) fn check(
     cords: Cords,
     findings: &mut Vec<Diagnostic>,
 ) {
-    for (name, entry) in patch.drives.iter().chain(&patch.elements) {
-        let leads_on = graph.node_indices().find(|index| graph[*index].name == *name);
-        let before_integrator = leads_on.is_some_and(|index| feeds_integrator(graph, index, cords));
+    // The graph holds the references first, then drives and elements in the order of the document.
+    let outlets = graph.node_indices().skip(REFERENCES.len());
+    for (index, (name, entry)) in outlets.zip(patch.drives.iter().chain(&patch.elements)) {
+        let before_integrator = feeds_integrator(graph, index, cords);
         let scale = entry.scale.as_ref().and_then(|scale| patch.scales.get_index_of(&scale.value));
         let checker = Checker { name, entry, patch, quantities, before_integrator, scale };
         checker.all(findings);
@@ -72,6 +73,10 @@ struct Checker<'a> {
 
 impl Checker<'_> {
     fn all(&self, findings: &mut Vec<Diagnostic>) {
+        if self.is_driven_in_nothing() {
+            findings.push(self.driven_in_nothing());
+            return;
+        }
         let mut values = vec![None; self.entry.settings.len()];
         for (index, row) in self.entry.kind.settings.iter().enumerate() {
             let Some(placed) = &self.entry.settings[index] else { continue };
@@ -81,6 +86,18 @@ impl Checker<'_> {
             }
         }
         self.order(&values, findings);
+    }
+
+    /// A quantity of which one volt is nothing can be read, as 0, but not driven.
+    fn is_driven_in_nothing(&self) -> bool {
+        self.scale.and_then(|scale| self.quantities.per_volt(scale)) == Some(0.0)
+    }
+
+    fn driven_in_nothing(&self) -> Diagnostic {
+        let (name, span) =
+            self.entry.scale.as_ref().map_or(("", self.entry.span), |scale| (&scale.value, scale.span));
+        let message = format!("{} is driven in the scale {name}, which comes to 0 per volt", self.name);
+        Diagnostic::at(Code::BadNumber, span, message).hint("give the drive a scale of its own")
     }
 
     /// A setting's value, once unit and range are found fit.
