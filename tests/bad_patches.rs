@@ -231,8 +231,10 @@ fn with_another_byte(text: &str, dice: &mut Dice) -> String {
 
 fn mutated(text: &str, dice: &mut Dice) -> String {
     let rounds = 1 + dice.below(3);
-    (0..rounds).fold(text.to_owned(), |text, _| {
-        if dice.below(3) == 0 { with_another_byte(&text, dice) } else { with_another_token(&text, dice) }
+    (0..rounds).fold(text.to_owned(), |text, _| match dice.below(3) {
+        _ if text.is_empty() => text,
+        0 => with_another_byte(&text, dice),
+        _ => with_another_token(&text, dice),
     })
 }
 
