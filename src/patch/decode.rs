@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use indexmap::IndexMap;
 
 use super::code::Code;
-use super::diagnostic::{Diagnostic, Span, suggestion};
+use super::diagnostic::{Diagnostic, Span, suggestion, told};
 use super::document::{
     Amount, Entry, FORMAT_VERSION, Parameter, Patch, PictureSpec, Placed, Plug, RunPlan, Scale, Signal,
 };
@@ -384,9 +384,27 @@ fn run(node: &Node, findings: &mut Findings) -> RunPlan {
     if let Some(repeat) = plan.repeat.as_ref().filter(|repeat| repeat.value.fract() != 0.0) {
         findings.push(Diagnostic::at(Code::BadNumber, repeat.span, "\"repeat\" is a whole number of runs"));
     }
+    for (key, time) in [("step", &plan.step), ("every", &plan.every)] {
+        shorter_than_run(key, time, &plan.duration, findings);
+    }
     fields.text("note", findings);
     fields.finish(findings);
     plan
+}
+
+fn shorter_than_run(
+    key: &str,
+    time: &Option<Placed<f64>>,
+    duration: &Option<Placed<f64>>,
+    findings: &mut Findings,
+) {
+    if let (Some(time), Some(duration)) = (time, duration)
+        && time.value > duration.value
+    {
+        let message =
+            format!("\"{key}\" is {} s, longer than the run of {} s", told(time.value), told(duration.value));
+        findings.push(Diagnostic::at(Code::BadNumber, time.span, message));
+    }
 }
 
 fn positive(fields: &mut Fields<'_>, key: &'static str, findings: &mut Findings) -> Option<Placed<f64>> {
