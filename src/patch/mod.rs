@@ -3,8 +3,10 @@
 mod builder;
 mod code;
 mod decode;
+mod decode_entry;
 mod diagnostic;
 mod document;
+mod fields;
 mod formula;
 mod function;
 mod schema;

@@ -11,6 +11,8 @@ mod lower;
 mod number;
 mod op;
 mod piece;
+mod prologue;
+mod vocabulary;
 
 pub use linearise::Linearisation;
 pub(crate) use linearise::OperatingPoint;

@@ -1,0 +1,203 @@
+//! Elements and drives, read off the tree of the text.
+
+use super::code::Code;
+use super::decode::formula;
+use super::diagnostic::{Diagnostic, Span, suggestion};
+use super::document::{Amount, Entry, Placed, Plug};
+use super::fields::{Fields, Findings, flag, list, number, word, words};
+use super::tree::{self, Content, Node};
+use crate::elements::{self, Default, Family, Kind, Measure};
+use crate::machines::Part;
+
+pub(super) fn entry(named: &tree::Entry, family: Family, findings: &mut Findings) -> Option<Entry> {
+    let noun = format!("the {} {}", family_noun(family), named.key);
+    let mut fields = Fields::of(&named.value, noun, findings)?;
+    let kind = kind(&mut fields, family, findings)?;
+    let mut entry = Entry {
+        kind,
+        plugs: Vec::new(),
+        empty_jacks: Vec::new(),
+        doubtful: false,
+        settings: vec![None; kind.settings.len()],
+        unreadable: Vec::new(),
+        uses: Vec::new(),
+        scale: None,
+        note: fields.text("note", findings),
+        span: named.key_span,
+    };
+    plugs(&mut fields, &mut entry, findings);
+    settings(&mut fields, "", &mut entry, findings);
+    for group in setting_groups(kind) {
+        if let Some(node) = fields.take(group)
+            && let Some(mut inner) = Fields::of(node, format!("\"{group}\""), findings)
+        {
+            settings(&mut inner, &format!("{group}."), &mut entry, findings);
+            inner.finish(findings);
+        }
+    }
+    if family == Family::Drive {
+        let scale = fields.need("scale", "the scale of what the drive gives");
+        entry.scale = scale.and_then(|node| word(node, "scale", findings));
+    } else {
+        entry.uses = fields.take("uses").map(|node| uses(node, findings)).unwrap_or_default();
+    }
+    entry.doubtful |= fields.rest().next().is_some();
+    fields.finish(findings);
+    Some(entry)
+}
+
+fn kind(fields: &mut Fields<'_>, family: Family, findings: &mut Findings) -> Option<&'static Kind> {
+    let Some(node) = fields.need("kind", &format!("one of {}", elements::names(family).join(", "))) else {
+        // Which keys it may have depends on the kind: only this one can be missed.
+        fields.report_missing(findings);
+        return None;
+    };
+    let name = word(node, "kind", findings)?;
+    let found = elements::find(family, &name.value);
+    if found.is_none() {
+        let message = format!("there is no kind \"{}\" of {}", name.value, family_noun(family));
+        let hint =
+            misplaced(family, &name.value).or_else(|| suggestion(&name.value, &elements::names(family)));
+        findings.push(Diagnostic::at(Code::UnknownKind, node.span, message).maybe_hint(hint));
+    }
+    found
+}
+
+fn family_noun(family: Family) -> &'static str {
+    if family == Family::Drive { "drive" } else { "element" }
+}
+
+fn misplaced(family: Family, name: &str) -> Option<String> {
+    let (other, section) =
+        if family == Family::Drive { (Family::Computing, "elements") } else { (Family::Drive, "drives") };
+    elements::find(other, name).map(|_| format!("a \"{name}\" stands in \"{section}\""))
+}
+
+/// Cords stand in `in` (for the main input, or as an object of jacks) or under the name of the input.
+fn plugs(fields: &mut Fields<'_>, entry: &mut Entry, findings: &mut Findings) {
+    let inputs = entry.kind.inputs;
+    let Some(main) = inputs.first() else { return };
+    if let Some((key_span, node)) = fields.take_with_key("in") {
+        match &node.value {
+            Content::Object(_) => {
+                if let Some(jacks) = Fields::of(node, "\"in\"", findings) {
+                    jacks
+                        .rest()
+                        .for_each(|jack| plug(&jack.key, jack.key_span, &jack.value, entry, findings));
+                }
+            }
+            _ if matches!(main.jacks, elements::Jacks::Gains) => {
+                let message = "an amplifier's cords go to inputs with gains";
+                let hint = "write \"in\": {\"x1\": [...], \"x10\": [...]}";
+                findings.push(Diagnostic::at(Code::WrongType, node.span, message).hint(hint));
+                entry.doubtful = true;
+            }
+            _ => plug(main.name, key_span, node, entry, findings),
+        }
+    }
+    let named = inputs.iter().filter(|input| input.name != "in" && input.jacks != elements::Jacks::Gains);
+    for input in named {
+        if let Some((key_span, node)) = fields.take_with_key(input.name) {
+            plug(input.name, key_span, node, entry, findings);
+        }
+    }
+}
+
+fn plug(jack: &str, jack_span: Span, node: &Node, entry: &mut Entry, findings: &mut Findings) {
+    let reported = findings.len();
+    let jack = Placed { value: jack.to_owned(), span: jack_span };
+    let cords = words(node, &jack.value, findings);
+    entry.doubtful |= findings.len() > reported;
+    entry.plugs.extend(cords.into_iter().map(|from| Plug { jack: jack.clone(), from }));
+    if matches!(&node.value, Content::List(items) if items.is_empty()) {
+        entry.empty_jacks.push(Placed { value: jack.value, span: node.span });
+    }
+}
+
+fn setting_groups(kind: &Kind) -> Vec<&'static str> {
+    let mut groups: Vec<_> =
+        kind.settings.iter().filter_map(|setting| Some(setting.name.split_once('.')?.0)).collect();
+    groups.dedup();
+    groups
+}
+
+/// Reads the settings whose names are the prefix and a key of these fields.
+fn settings(fields: &mut Fields<'_>, prefix: &str, entry: &mut Entry, findings: &mut Findings) {
+    for (index, setting) in entry.kind.settings.iter().enumerate() {
+        let Some(key) = setting.name.strip_prefix(prefix).filter(|key| !key.contains('.')) else { continue };
+        let node = match setting.default {
+            Default::Required => fields.need(key, setting.description),
+            _ => fields.take(key),
+        };
+        match node.map(|node| amount(node, key, setting.measure, findings)) {
+            Some(Some(amount)) => entry.settings[index] = Some(amount),
+            Some(None) => entry.unreadable.push(index),
+            None if setting.default == Default::Required => entry.unreadable.push(index),
+            None => {}
+        }
+    }
+}
+
+fn amount(node: &Node, key: &str, measure: Measure, findings: &mut Findings) -> Option<Placed<Amount>> {
+    let value = match measure {
+        Measure::Flag => Amount::Flag(flag(node, key, findings)?),
+        Measure::Choice(words) => Amount::Choice(choice(node, key, words, findings)?),
+        Measure::Points => Amount::Points(points(node, key, findings)?),
+        _ => Amount::Formula(formula(node, key, findings)?.value),
+    };
+    Some(Placed { value, span: node.span })
+}
+
+fn choice(node: &Node, key: &str, known: &[&str], findings: &mut Findings) -> Option<usize> {
+    let chosen = word(node, key, findings)?;
+    let index = known.iter().position(|word| *word == chosen.value);
+    if index.is_none() {
+        let message = format!("\"{}\" is no {key}", chosen.value);
+        let hint = suggestion(&chosen.value, known);
+        findings.push(Diagnostic::at(Code::UnknownName, node.span, message).maybe_hint(hint));
+    }
+    index
+}
+
+fn points(node: &Node, key: &str, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
+    let items = list(node, key, findings)?;
+    let points: Option<Vec<[f64; 2]>> = items.iter().map(|item| point(item, key, findings)).collect();
+    let points = points?;
+    let falling = points.windows(2).position(|pair| pair[1][0] <= pair[0][0]);
+    if let Some(index) = falling {
+        let message = "the times of a table must rise from point to point";
+        findings.push(Diagnostic::at(Code::BadNumber, items[index + 1].span, message));
+        return None;
+    }
+    if points.is_empty() {
+        findings.push(Diagnostic::at(Code::BadNumber, node.span, "a table needs at least one point"));
+        return None;
+    }
+    Some(points)
+}
+
+fn point(node: &Node, key: &str, findings: &mut Findings) -> Option<[f64; 2]> {
+    let pair = list(node, key, findings)?;
+    let [time, value] = pair else {
+        findings.push(Diagnostic::at(Code::WrongType, node.span, "a point is a list of two numbers"));
+        return None;
+    };
+    Some([number(time, key, findings)?, number(value, key, findings)?])
+}
+
+fn uses(node: &Node, findings: &mut Findings) -> Vec<(Placed<String>, Vec<Placed<String>>)> {
+    let Some(fields) = Fields::of(node, "\"uses\"", findings) else { return Vec::new() };
+    let mut used = Vec::new();
+    for item in fields.rest() {
+        if !Part::ALL.iter().any(|part| part.key() == item.key) {
+            let keys: Vec<_> = Part::ALL.iter().map(|part| part.key()).collect();
+            let message = format!("no machine has \"{}\"", item.key);
+            let hint = suggestion(&item.key, &keys);
+            findings.push(Diagnostic::at(Code::UnknownKey, item.key_span, message).maybe_hint(hint));
+            continue;
+        }
+        let names = words(&item.value, &item.key, findings);
+        used.push((Placed { value: item.key.clone(), span: item.key_span }, names));
+    }
+    used
+}

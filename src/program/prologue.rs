@@ -1,0 +1,148 @@
+//! The prologue: formulas of parameters and scales, turned into the coefficients that the body reads.
+
+use super::lower::Lowering;
+use super::{Coefficient, Op, Register};
+use crate::elements::{Default as SettingDefault, Measure};
+use crate::patch::{Amount, Callee, Expression, Formula, Function, Node, Operator};
+
+impl Lowering<'_> {
+    pub(super) fn signal_coefficient(&mut self, name: &str, scale: usize, factor: f64) -> u32 {
+        let volt = self.scale(scale);
+        let factor = self.early(Op::Constant(factor));
+        let register = self.early(Op::Multiply(volt, factor));
+        let index = self.push_coefficient(register, format!("signal {name} per volt"), (f64::MIN, f64::MAX));
+        let signal = self.circuit.patch().signals.get(name);
+        self.program.coefficients[index as usize].span = signal.map(|signal| signal.span);
+        index
+    }
+
+    pub(super) fn early(&mut self, op: Op) -> Register {
+        self.program.prologue.push(op);
+        Register(self.program.prologue.len() as u32 - 1)
+    }
+
+    pub(super) fn push_coefficient(&mut self, register: Register, label: String, range: (f64, f64)) -> u32 {
+        let span = self.circuit.element(self.current).span;
+        self.program.coefficients.push(Coefficient { register, label, range, span });
+        self.program.coefficients.len() as u32 - 1
+    }
+
+    /// The coefficient of a setting, made when it is first asked for.
+    pub(super) fn coefficient(&mut self, name: &str) -> Option<u32> {
+        let element = self.circuit.element(self.current);
+        let index = element.kind.setting(name)?;
+        if let Some(made) = self.settings.get(&(self.current, index)) {
+            return Some(*made);
+        }
+        let default = element.kind.settings[index].default;
+        let register = match (self.amount(name), default) {
+            (Some(Amount::Formula(formula)), _) => {
+                self.placed_formula(formula, element.kind.settings[index].measure)
+            }
+            (None, SettingDefault::Number(number)) => self.early(Op::Constant(number)),
+            _ => return None,
+        };
+        let label = format!("{} {name}", element.name);
+        let made = self.push_coefficient(register, label, element.kind.settings[index].range);
+        self.settings.insert((self.current, index), made);
+        Some(made)
+    }
+
+    pub(super) fn coefficient_or_zero(&mut self, name: &str) -> u32 {
+        if let Some(index) = self.coefficient(name) {
+            return index;
+        }
+        let zero = self.early(Op::Constant(0.0));
+        self.push_coefficient(zero, name.to_owned(), (0.0, 0.0))
+    }
+
+    /// A formula's value in volts, seconds or plain numbers: plain formulas of a drive stand in its unit.
+    fn placed_formula(&mut self, formula: &Formula, measure: Measure) -> Register {
+        let value = self.expression(formula.root());
+        if !matches!(measure, Measure::Signal | Measure::SignalRate) {
+            return value;
+        }
+        let Some(scale) = self.circuit.element(self.current).scale else { return value };
+        let volt = self.scale(scale);
+        let value = self.in_si(value, formula, self.circuit.scale_unit(scale).factor());
+        self.early(Op::Divide(value, volt))
+    }
+
+    fn in_si(&mut self, value: Register, formula: &Formula, unit: f64) -> Register {
+        if !self.circuit.is_plain(formula) || unit == 1.0 {
+            return value;
+        }
+        let unit = self.early(Op::Constant(unit));
+        self.early(Op::Multiply(value, unit))
+    }
+
+    /// A scale's value of one volt, in SI.
+    pub(super) fn scale(&mut self, index: usize) -> Register {
+        let (name, formula) = self.circuit.scale(index);
+        if let Some(register) = self.names.get(name) {
+            return *register;
+        }
+        let value = self.expression(formula.root());
+        let register = self.in_si(value, formula, self.circuit.scale_unit(index).factor());
+        self.names.insert(name.to_owned(), register);
+        register
+    }
+
+    fn expression(&mut self, node: &Node) -> Register {
+        match &node.expression {
+            Expression::Number(value) => self.early(Op::Constant(*value)),
+            Expression::Name(name) => self.name(name),
+            Expression::Negate(operand) => {
+                let operand = self.expression(operand);
+                let zero = self.early(Op::Constant(0.0));
+                self.early(Op::Subtract(zero, operand))
+            }
+            Expression::Binary(operator, left, right) => {
+                let (left, right) = (self.expression(left), self.expression(right));
+                self.early(binary(*operator, left, right))
+            }
+            Expression::Call(callee, arguments) => {
+                let arguments: Vec<_> = arguments.iter().map(|argument| self.expression(argument)).collect();
+                self.early(call(*callee, &arguments))
+            }
+        }
+    }
+
+    fn name(&mut self, name: &str) -> Register {
+        if let Some(register) = self.names.get(name) {
+            return *register;
+        }
+        if let Some(index) = self.circuit.scale_index(name) {
+            return self.scale(index);
+        }
+        let parameter = self.program.parameters.iter().position(|slot| slot.name == name);
+        let register = match parameter {
+            Some(index) => self.early(Op::Parameter(index as u32)),
+            None => self.early(Op::Constant(self.circuit.time_scale())),
+        };
+        self.names.insert(name.to_owned(), register);
+        register
+    }
+}
+
+fn binary(operator: Operator, left: Register, right: Register) -> Op {
+    match operator {
+        Operator::Add => Op::Add(left, right),
+        Operator::Subtract => Op::Subtract(left, right),
+        Operator::Multiply => Op::Multiply(left, right),
+        Operator::Divide => Op::Divide(left, right),
+        Operator::Power => Op::Call(Function::Power, left, right),
+    }
+}
+
+/// The parser has counted the arguments: a missing one can only stand for itself.
+fn call(callee: Callee, arguments: &[Register]) -> Op {
+    let first = arguments.first().copied().unwrap_or(Register(0));
+    let second = arguments.get(1).copied().unwrap_or(first);
+    match callee {
+        Callee::Minimum => Op::Minimum(first, second),
+        Callee::Maximum => Op::Maximum(first, second),
+        Callee::Absolute => Op::Absolute(first),
+        Callee::Function(function) => Op::Call(function, first, second),
+    }
+}

@@ -1,0 +1,259 @@
+//! What an element's law can read, and the operations that it can emit.
+
+use super::lower::Lowering;
+use super::{Delay, Mode, Op, Register, State, Transition};
+use crate::elements::Default as SettingDefault;
+use crate::machines::REFERENCE;
+use crate::patch::{Amount, Function};
+
+/// What a law reads.
+impl<'c> Lowering<'c> {
+    /// The voltages at an input, without gains, in the order of the document.
+    pub fn inputs(&mut self, name: &str) -> Vec<Register> {
+        self.driven(name).into_iter().map(|(_, register)| register).collect()
+    }
+
+    /// The voltage at an input of one jack.
+    pub fn input(&mut self, name: &str) -> Register {
+        match self.inputs(name).first() {
+            Some(register) => *register,
+            None => self.constant(0.0),
+        }
+    }
+
+    /// Whether anything is plugged into an input.
+    pub fn is_driven(&self, name: &str) -> bool {
+        !self.driven(name).is_empty()
+    }
+
+    /// The sum of an input's voltages, each times its gain.
+    pub fn sum(&mut self, name: &str) -> Register {
+        let mut total = None;
+        for (gain, register) in self.driven(name) {
+            let term = self.scaled(register, gain);
+            total = Some(total.map_or(term, |total| self.add(total, term)));
+        }
+        total.unwrap_or_else(|| self.constant(0.0))
+    }
+
+    fn scaled(&mut self, register: Register, gain: f64) -> Register {
+        if gain == 1.0 {
+            return register;
+        }
+        let gain = self.constant(gain);
+        self.multiply(gain, register)
+    }
+
+    fn driven(&self, name: &str) -> Vec<(f64, Register)> {
+        let inputs = self.circuit.element(self.current).kind.inputs;
+        let Some(input) = inputs.iter().position(|input| input.name == name) else { return Vec::new() };
+        let cords = self.circuit.cords(self.current).into_iter().filter(|(_, cord)| cord.input == input);
+        cords
+            .map(|(from, cord)| {
+                (cord.gain, self.outputs[from].expect("stages put drivers before what they drive"))
+            })
+            .collect()
+    }
+
+    /// A setting as a voltage or number of the body, its default where the patch is silent.
+    pub fn get(&mut self, name: &str) -> Register {
+        match self.set(name) {
+            Some(register) => register,
+            None => self.constant(0.0),
+        }
+    }
+
+    /// A setting that may be absent.
+    pub fn set(&mut self, name: &str) -> Option<Register> {
+        let index = self.coefficient(name)?;
+        Some(self.emit(Op::Coefficient(index)))
+    }
+
+    /// A setting that is true or false.
+    pub fn flag(&self, name: &str) -> bool {
+        match self.amount(name) {
+            Some(Amount::Flag(flag)) => *flag,
+            _ => matches!(self.default(name), SettingDefault::Number(number) if number != 0.0),
+        }
+    }
+
+    pub(super) fn amount(&self, name: &str) -> Option<&'c Amount> {
+        let element = self.circuit.element(self.current);
+        let index = element.kind.setting(name)?;
+        element.settings.get(index)?.as_ref().map(|placed| &placed.value)
+    }
+
+    fn default(&self, name: &str) -> SettingDefault {
+        let kind = self.circuit.element(self.current).kind;
+        kind.setting(name).map_or(SettingDefault::Absent, |index| kind.settings[index].default)
+    }
+}
+
+/// What a law emits.
+impl Lowering<'_> {
+    /// A fixed number.
+    pub fn constant(&mut self, value: f64) -> Register {
+        if let Some(register) = self.constants.get(&value.to_bits()) {
+            return *register;
+        }
+        let register = self.emit(Op::Constant(value));
+        self.constants.insert(value.to_bits(), register);
+        register
+    }
+
+    /// Problem time in seconds.
+    pub fn time(&mut self) -> Register {
+        self.emit(Op::Time)
+    }
+
+    /// a + b.
+    pub fn add(&mut self, a: Register, b: Register) -> Register {
+        self.emit(Op::Add(a, b))
+    }
+
+    /// a - b.
+    pub fn subtract(&mut self, a: Register, b: Register) -> Register {
+        self.emit(Op::Subtract(a, b))
+    }
+
+    /// -a.
+    pub fn negate(&mut self, a: Register) -> Register {
+        let zero = self.constant(0.0);
+        self.emit(Op::Subtract(zero, a))
+    }
+
+    /// a times b.
+    pub fn multiply(&mut self, a: Register, b: Register) -> Register {
+        self.emit(Op::Multiply(a, b))
+    }
+
+    /// The lower of two.
+    pub fn minimum(&mut self, a: Register, b: Register) -> Register {
+        self.emit(Op::Minimum(a, b))
+    }
+
+    /// The upper of two.
+    pub fn maximum(&mut self, a: Register, b: Register) -> Register {
+        self.emit(Op::Maximum(a, b))
+    }
+
+    /// Size without sign.
+    pub fn absolute(&mut self, a: Register) -> Register {
+        self.emit(Op::Absolute(a))
+    }
+
+    /// `then` where left >= right, else `otherwise`.
+    pub fn select(
+        &mut self,
+        left: Register,
+        right: Register,
+        then: Register,
+        otherwise: Register,
+    ) -> Register {
+        self.emit(Op::Select { left, right, then, otherwise })
+    }
+
+    /// A function of one number.
+    pub fn call(&mut self, function: Function, a: Register) -> Register {
+        self.emit(Op::Call(function, a, a))
+    }
+
+    /// The whole number at or below.
+    pub fn floor(&mut self, a: Register) -> Register {
+        self.call(Function::Floor, a)
+    }
+
+    /// A setting made of points, looked up.
+    pub fn table(&mut self, name: &str, at: Register) -> Register {
+        let points = match self.amount(name) {
+            Some(Amount::Points(points)) => points.clone(),
+            _ => Vec::new(),
+        };
+        self.program.tables.push(points);
+        self.emit(Op::Table(self.program.tables.len() as u32 - 1, at))
+    }
+
+    /// Volts per unit of a drive's scale, for values that are not formulas.
+    pub fn volts_per_signal(&mut self) -> Register {
+        let element = self.circuit.element(self.current);
+        let Some(scale) = element.scale else { return self.constant(1.0) };
+        let volt = self.scale(scale);
+        let unit = self.early(Op::Constant(self.circuit.scale_unit(scale).factor()));
+        let register = self.early(Op::Divide(unit, volt));
+        let index =
+            self.push_coefficient(register, format!("{} volts per unit", element.name), (f64::MIN, f64::MAX));
+        self.emit(Op::Coefficient(index))
+    }
+
+    /// A new state of the current element, starting at a setting.
+    pub fn new_state(&mut self, initial: &str) -> Register {
+        let initial = self.coefficient_or_zero(initial);
+        let index = self.program.states.len() as u32;
+        let unset = Register(0);
+        self.program.states.push(State { element: self.current, rate: unset, demand: unset, initial });
+        self.own_state.insert(self.current, index);
+        self.emit(Op::State(index))
+    }
+
+    /// The index of the current element's state.
+    pub(super) fn own_state(&self) -> Option<u32> {
+        self.own_state.get(&self.current).copied()
+    }
+
+    /// The output of the current element, once it is there.
+    pub fn state(&mut self) -> Register {
+        match self.outputs[self.current] {
+            Some(register) => register,
+            None => self.constant(0.0),
+        }
+    }
+
+    /// Sets d/dt of the current element's state, in volts per machine second. At ±100 V it is 0 while it
+    /// points outward.
+    pub fn set_rate(&mut self, rate: Register) {
+        let demand = self.scaled(rate, self.circuit.time_scale());
+        let out = self.state();
+        let [zero, upper, lower] = [0.0, REFERENCE, -REFERENCE].map(|value| self.constant(value));
+        let inward = self.minimum(demand, zero);
+        let below_top = self.select(out, upper, inward, demand);
+        let outward = self.maximum(below_top, zero);
+        let rate = self.select(lower, out, outward, below_top);
+        if let Some(index) = self.own_state() {
+            let state = &mut self.program.states[index as usize];
+            (state.rate, state.demand) = (rate, demand);
+        }
+    }
+
+    /// A new mode of the current element.
+    pub fn new_mode(&mut self, initial: f64) -> Register {
+        let index = self.program.modes.len() as u32;
+        self.program.modes.push(Mode { element: self.current, initial, transitions: Vec::new() });
+        self.own_mode.insert(self.current, index);
+        self.emit(Op::Mode(index))
+    }
+
+    /// A change of the mode that the current element made last.
+    pub fn transition(&mut self, transition: Transition) {
+        if let Some(index) = self.own_mode.get(&self.current) {
+            self.program.modes[*index as usize].transitions.push(transition);
+        }
+    }
+
+    /// A delay line of the current element, its time and initial output being settings.
+    pub fn new_delay(&mut self, time: &str, initial: &str) -> Register {
+        let (time, initial) = (self.coefficient_or_zero(time), self.coefficient_or_zero(initial));
+        let index = self.program.delays.len() as u32;
+        let problem_seconds = 1.0 / self.circuit.time_scale();
+        let (element, input) = (self.current, Register(0));
+        self.program.delays.push(Delay { element, input, time, initial, problem_seconds });
+        self.own_delay.insert(self.current, index);
+        self.emit(Op::Delayed(index))
+    }
+
+    /// What goes into the current element's delay line.
+    pub fn set_delay_input(&mut self, input: Register) {
+        if let Some(index) = self.own_delay.get(&self.current) {
+            self.program.delays[*index as usize].input = input;
+        }
+    }
+}
