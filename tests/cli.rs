@@ -179,3 +179,31 @@ fn an_overload_is_told_with_what_it_caused() {
         patchcord(&["run", FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1", "--hold-on-overload"]);
     assert!(out(&held).contains("held at t = "), "{}", out(&held));
 }
+
+/// The lines of the README's block after these words.
+fn readme_block(after: &str) -> Vec<String> {
+    let text = fs::read_to_string("README.md").unwrap();
+    let block = text.split(after).nth(1).unwrap().trim_start_matches('\n');
+    block
+        .lines()
+        .take_while(|line| line.is_empty() || line.starts_with("    "))
+        .map(|line| line.trim().to_owned())
+        .collect()
+}
+
+#[test]
+fn the_readmes_command_ends_as_the_readme_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let command = readme_block("With a Rust toolchain and nothing else:\n")[0].clone();
+    let arguments: Vec<_> = command.strip_prefix("cargo run --release -- ").unwrap().split(' ').collect();
+    let patch = fs::canonicalize(arguments[1]).unwrap();
+    let arguments =
+        arguments.iter().map(|word| if *word == FIG_8_16 { patch.to_str().unwrap() } else { word });
+    let ran = Command::cargo_bin("patchcord").unwrap().args(arguments).current_dir(&folder).output().unwrap();
+    assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""));
+    let promised: Vec<String> =
+        readme_block("It ends with\n").into_iter().filter(|line| !line.is_empty()).collect();
+    let printed: Vec<String> = out(&ran).lines().map(str::to_owned).filter(|line| !line.is_empty()).collect();
+    assert_eq!(printed[printed.len() - promised.len()..], promised);
+    assert!(folder.path().join("fig-8-16.csv").is_file() && folder.path().join("fig-8-16.svg").is_file());
+}
