@@ -6,7 +6,7 @@ use super::diagnostic::{Diagnostic, Span, suggestion};
 use super::document::{Amount, Entry, Placed, Plug};
 use super::fields::{Fields, Findings, flag, list, number, word, words};
 use super::tree::{self, Content, Node};
-use crate::elements::{self, Default, Family, Kind, Measure};
+use crate::elements::{self, Default, Family, Jacks, Kind, Measure};
 use crate::machines::Part;
 
 pub(super) fn entry(named: &tree::Entry, family: Family, findings: &mut Findings) -> Option<Entry> {
@@ -73,34 +73,35 @@ fn misplaced(family: Family, name: &str) -> Option<String> {
     elements::find(other, name).map(|_| format!("a \"{name}\" stands in \"{section}\""))
 }
 
-/// Cords stand in `in` (for the main input, or as an object of jacks) or under the name of the input.
+/// An amplifier's cords stand in `in`, as an object of jacks; others under the name of their input.
 fn plugs(fields: &mut Fields<'_>, entry: &mut Entry, findings: &mut Findings) {
     let inputs = entry.kind.inputs;
-    let Some(main) = inputs.first() else { return };
-    if let Some((key_span, node)) = fields.take_with_key("in") {
-        match &node.value {
-            Content::Object(_) => {
-                if let Some(jacks) = Fields::of(node, "\"in\"", findings) {
-                    jacks
-                        .rest()
-                        .for_each(|jack| plug(&jack.key, jack.key_span, &jack.value, entry, findings));
-                }
-            }
-            _ if matches!(main.jacks, elements::Jacks::Gains) => {
-                let message = "an amplifier's cords go to inputs with gains";
-                let hint = "write \"in\": {\"x1\": [...], \"x10\": [...]}";
-                findings.push(Diagnostic::at(Code::WrongType, node.span, message).hint(hint));
-                entry.doubtful = true;
-            }
-            _ => plug(main.name, key_span, node, entry, findings),
+    if inputs.first().is_some_and(|main| main.jacks == Jacks::Gains) {
+        if let Some(node) = fields.take("in") {
+            jacks(node, entry, findings);
+        }
+        return;
+    }
+    for input in inputs {
+        match fields.take_with_key(input.name) {
+            // Jacks with gains on an element that has none are told one by one.
+            Some((_, node)) if matches!(node.value, Content::Object(_)) => jacks(node, entry, findings),
+            Some((key_span, node)) => plug(input.name, key_span, node, entry, findings),
+            None => {}
         }
     }
-    let named = inputs.iter().filter(|input| input.name != "in" && input.jacks != elements::Jacks::Gains);
-    for input in named {
-        if let Some((key_span, node)) = fields.take_with_key(input.name) {
-            plug(input.name, key_span, node, entry, findings);
-        }
+}
+
+fn jacks(node: &Node, entry: &mut Entry, findings: &mut Findings) {
+    if !matches!(node.value, Content::Object(_)) {
+        let message = "an amplifier's cords go to inputs with gains";
+        let hint = "write \"in\": {\"x1\": [...], \"x10\": [...]}";
+        findings.push(Diagnostic::at(Code::WrongType, node.span, message).hint(hint));
+        entry.doubtful = true;
+        return;
     }
+    let Some(jacks) = Fields::of(node, "\"in\"", findings) else { return };
+    jacks.rest().for_each(|jack| plug(&jack.key, jack.key_span, &jack.value, entry, findings));
 }
 
 fn plug(jack: &str, jack_span: Span, node: &Node, entry: &mut Entry, findings: &mut Findings) {
