@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let specs = circuit.picture_specs(["v_o"].into_iter());
     let picture = instruments::picture(&trace, &specs[0], None)?;
-    let file = Path::new("velocity-profile.svg");
+    let file = Path::new("target/velocity-profile.svg");
     write_whole(file, &render(&[picture], Format::from_path(file)?, Size::default())?)?;
     println!("wrote {}", file.display());
     Ok(())
