@@ -9,7 +9,7 @@ use super::piece::Piece;
 use super::{Coefficient, Program};
 
 /// Room for what an evaluation needs besides registers, so that none is made in a step.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
     pub pieces: Vec<Piece>,
     /// The first loop that could not be solved.

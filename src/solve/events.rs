@@ -1,7 +1,7 @@
 //! Changes of mode: found within a step, stepped to, carried out.
 
 use super::error::RunError;
-use super::machine::Machine;
+use super::machine::{Machine, Witness};
 use crate::program::Transition;
 
 /// More changes than this within one step are chatter.
@@ -12,20 +12,17 @@ const FOUND: f64 = 1e-13;
 const MOST_LOOKS: usize = 100;
 
 impl Machine<'_> {
-    /// Goes to a time, stopping for every change of mode on the way. `after` is told of every stretch that
-    /// was gone in one piece, while the machine still knows both of its ends.
-    pub(super) fn advance(&mut self, target: f64, after: &mut impl FnMut(&mut Self)) -> Result<(), RunError> {
+    /// Goes to a time, stopping for every change of mode on the way.
+    pub(super) fn advance(&mut self, target: f64, witness: &mut impl Witness) -> Result<(), RunError> {
         let mut changes = 0;
         loop {
             let length = target - self.time;
             self.step_ahead(length);
-            if !self.any_fires_ahead() {
-                return self.accept(target, after);
-            }
-            let share = self.first_change(length);
+            let share = if self.any_fires_ahead() { self.first_change(length) } else { 1.0 };
             let time = if share >= 1.0 { target } else { self.time + share * length };
-            self.accept(time, after)?;
+            self.accept(time, witness)?;
             changes += self.settle(changes)?;
+            witness.arrival(self);
             if self.time >= target {
                 return Ok(());
             }

@@ -34,7 +34,7 @@ const SMALLEST: f64 = 1e-100;
 ///
 /// Time is problem time. The step is fixed: the classical Runge-Kutta method of order 4, shortened only to
 /// meet changes of mode (relays, brakes, stops), which are located within the step.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Machine<'p> {
     pub(super) program: &'p Program,
     pub(super) time: f64,
@@ -66,11 +66,31 @@ pub struct Machine<'p> {
 }
 
 /// The beginning of a stretch of time gone in one piece.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Stretch {
     pub time: f64,
     pub states: Vec<f64>,
     pub rates: Vec<f64>,
+}
+
+/// Somebody who looks on while a machine runs.
+pub(super) trait Witness {
+    /// A stretch was gone in one piece; the machine still knows both of its ends.
+    fn stretch(&mut self, machine: &mut Machine<'_>);
+    /// The end of a stretch, after the changes of mode that were due there.
+    fn arrival(&mut self, machine: &Machine<'_>);
+    /// Whether the machine should go into hold.
+    fn has_seen_enough(&self, machine: &Machine<'_>) -> bool;
+}
+
+struct Nobody;
+
+impl Witness for Nobody {
+    fn stretch(&mut self, _: &mut Machine<'_>) {}
+    fn arrival(&mut self, _: &Machine<'_>) {}
+    fn has_seen_enough(&self, _: &Machine<'_>) -> bool {
+        false
+    }
 }
 
 impl<'p> Machine<'p> {
@@ -122,7 +142,7 @@ impl<'p> Machine<'p> {
     /// When a voltage is not a number, or modes do not settle.
     pub fn initial_condition(&mut self) -> Result<(), RunError> {
         self.mode = MachineMode::InitialCondition;
-        (self.time, self.steps, self.origin, self.last.time) = (0.0, 0, 0.0, 0.0);
+        (self.time, self.steps, self.origin) = (0.0, 0, 0.0);
         for (value, state) in self.states.iter_mut().zip(&self.program.states) {
             *value = self.coefficients[state.initial as usize];
         }
@@ -132,12 +152,7 @@ impl<'p> Machine<'p> {
         self.lines.iter_mut().for_each(DelayLine::clear);
         self.lamps.fill(None);
         self.work = Work::default();
-        self.evaluate();
-        self.remember_delays();
-        self.settle(0)?;
-        self.check_voltages()?;
-        self.watch_amplifiers();
-        Ok(())
+        self.disturbed()
     }
 
     /// Integrates for a length of problem time.
@@ -145,38 +160,38 @@ impl<'p> Machine<'p> {
     /// # Errors
     /// When a voltage is not a number, a loop has not one solution, or a mode chatters.
     pub fn operate(&mut self, length: f64) -> Result<(), RunError> {
-        self.operate_with(length, &mut |_| ())
+        self.operate_with(length, &mut Nobody)
     }
 
-    /// The same, telling `after` of every stretch gone in one piece.
-    pub(super) fn operate_with(
-        &mut self,
-        length: f64,
-        after: &mut impl FnMut(&mut Self),
-    ) -> Result<(), RunError> {
+    /// The same, seen by a witness.
+    pub(super) fn operate_with(&mut self, length: f64, witness: &mut impl Witness) -> Result<(), RunError> {
         if !(length >= 0.0 && length.is_finite()) {
             return Err(RunError::Plan(format!("a run lasts a time of 0 s or more, not {length} s")));
         }
         self.mode = MachineMode::Operate;
         let begin = self.time;
         let whole = self.grid.steps_in(length);
-        (self.origin, self.steps) = if begin == 0.0 { (0.0, 0) } else { (begin, 0) };
-        while self.steps < whole {
-            self.one_step(after)?;
+        (self.origin, self.steps) = (begin, 0);
+        while self.steps < whole && !self.is_stopped_by(witness) {
+            self.steps += 1;
+            let target = self.origin + self.grid.time(self.steps);
+            self.advance(target, witness)?;
         }
         let end = begin + length;
         // What is left beyond the last whole step, unless it is rounding.
-        if end - self.time > 1e-9 * self.step {
-            self.advance(end, after)?;
+        if end - self.time > 1e-9 * self.step && !self.is_stopped_by(witness) {
+            self.advance(end, witness)?;
+            self.is_stopped_by(witness);
         }
         Ok(())
     }
 
-    /// One step of the grid.
-    pub(super) fn one_step(&mut self, after: &mut impl FnMut(&mut Self)) -> Result<(), RunError> {
-        self.steps += 1;
-        let target = self.origin + self.grid.time(self.steps);
-        self.advance(target, after)
+    /// Goes into hold when the witness has seen enough.
+    fn is_stopped_by(&mut self, witness: &impl Witness) -> bool {
+        if witness.has_seen_enough(self) {
+            self.hold();
+        }
+        self.mode == MachineMode::Hold
     }
 
     /// Keeps every integrator where it is; time stands still.
@@ -220,8 +235,43 @@ impl<'p> Machine<'p> {
             let (low, high) = bad.range;
             return Err(RunError::OutsideRange { what: bad.label.clone(), value, low, high });
         }
-        (self.parameters, self.coefficients) = (parameters, coefficients);
-        self.follow_coefficients()
+        self.or_as_before(|machine| {
+            (machine.parameters, machine.coefficients) = (parameters, coefficients);
+            machine.follow_coefficients()
+        })
+    }
+
+    /// Puts the output of an integrator at a voltage, as an operator does who overrides its initial
+    /// condition; also while running. It lasts until the next initial condition.
+    ///
+    /// # Errors
+    /// When there is no such integrator, the voltage is not within ±100 V, or the circuit cannot be worked
+    /// out there; nothing is changed then.
+    pub fn set_state(&mut self, integrator: &str, volts: f64) -> Result<(), RunError> {
+        let state =
+            self.program.states.iter().position(|state| self.program.name(state.element) == integrator);
+        let Some(state) = state else { return Err(RunError::UnknownElement(integrator.to_owned())) };
+        let (low, high) = (-REFERENCE, REFERENCE);
+        if !(low <= volts && volts <= high) {
+            return Err(RunError::OutsideRange { what: integrator.to_owned(), value: volts, low, high });
+        }
+        self.or_as_before(|machine| {
+            machine.states[state] = volts;
+            machine.disturbed()
+        })
+    }
+
+    /// Makes a change, or leaves the machine as it was where the change cannot be made.
+    fn or_as_before(
+        &mut self,
+        change: impl FnOnce(&mut Self) -> Result<(), RunError>,
+    ) -> Result<(), RunError> {
+        let before = self.clone();
+        let outcome = change(self);
+        if outcome.is_err() {
+            *self = before;
+        }
+        outcome
     }
 
     fn follow_coefficients(&mut self) -> Result<(), RunError> {
@@ -231,11 +281,21 @@ impl<'p> Machine<'p> {
             line.set(time * delay.problem_seconds, initial);
         }
         self.check_delays()?;
-        if self.mode == MachineMode::InitialCondition {
-            return self.initial_condition();
+        match self.mode {
+            MachineMode::InitialCondition => self.initial_condition(),
+            _ => self.disturbed(),
         }
+    }
+
+    /// Works everything out anew after a hand has changed something at this instant.
+    fn disturbed(&mut self) -> Result<(), RunError> {
+        self.last.time = self.time;
         self.evaluate();
-        self.settle(0).map(|_| ())
+        self.remember_delays();
+        self.settle(0)?;
+        self.check_voltages()?;
+        self.watch_amplifiers();
+        Ok(())
     }
 
     /// The voltage at an element's output.
@@ -291,6 +351,7 @@ impl<'p> Machine<'p> {
 
     /// Works out every voltage of now, and the rates.
     pub(super) fn evaluate(&mut self) {
+        self.scratch.fault = None;
         for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
             *delayed = line.at(self.time);
         }
@@ -328,6 +389,7 @@ impl<'p> Machine<'p> {
 
     /// Looks ahead by a step of this length: states before the amplifiers stop them, voltages after.
     pub(super) fn step_ahead(&mut self, length: f64) {
+        self.scratch.fault = None;
         self.rk4(length);
         for (trial, ahead) in self.trial.iter_mut().zip(&self.ahead) {
             *trial = stopped(*ahead);
@@ -336,7 +398,7 @@ impl<'p> Machine<'p> {
     }
 
     /// Makes what was looked at the present.
-    pub(super) fn accept(&mut self, time: f64, after: &mut impl FnMut(&mut Self)) -> Result<(), RunError> {
+    pub(super) fn accept(&mut self, time: f64, witness: &mut impl Witness) -> Result<(), RunError> {
         self.work.steps += 1;
         self.last.time = self.time;
         self.last.states.copy_from_slice(&self.states);
@@ -351,7 +413,7 @@ impl<'p> Machine<'p> {
         self.watch_integrators();
         self.watch_amplifiers();
         self.remember_delays();
-        after(self);
+        witness.stretch(self);
         Ok(())
     }
 

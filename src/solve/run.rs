@@ -2,7 +2,7 @@
 
 use super::error::RunError;
 use super::grid::Grid;
-use super::machine::Machine;
+use super::machine::{Machine, Witness};
 use crate::circuit::Circuit;
 use crate::machines::REFERENCE;
 use crate::patch::RunPlan;
@@ -89,33 +89,13 @@ pub fn run(program: &Program, settings: &RunSettings) -> Result<Trace, RunError>
     for _ in 0..settings.repeat.max(1) {
         machine.initial_condition()?;
         recorder.begin(&machine);
-        let outcome = one_sweep(&mut machine, &mut recorder, settings);
+        let outcome = machine.operate_with(settings.duration, &mut recorder);
         recorder.end(&machine);
         if let Err(error) = outcome {
             return Err(with_trace(error, recorder.trace));
         }
     }
     Ok(recorder.trace)
-}
-
-fn one_sweep(
-    machine: &mut Machine<'_>,
-    recorder: &mut Recorder,
-    settings: &RunSettings,
-) -> Result<(), RunError> {
-    if !settings.hold_on_overload {
-        return machine.operate_with(settings.duration, &mut |machine| recorder.sample(machine));
-    }
-    let steps = Grid::new(settings.step).steps_in(settings.duration);
-    machine.operate(0.0)?;
-    for _ in 0..steps {
-        if machine.is_overloaded() {
-            machine.hold();
-            return Ok(());
-        }
-        machine.one_step(&mut |machine| recorder.sample(machine))?;
-    }
-    Ok(())
 }
 
 fn with_trace(error: RunError, trace: Trace) -> RunError {
@@ -134,6 +114,7 @@ struct Recorder {
     grid: Grid,
     next: u64,
     last: u64,
+    hold_on_overload: bool,
 }
 
 impl Recorder {
@@ -143,7 +124,8 @@ impl Recorder {
         let tracks = probes.iter().map(|probe| track(probe, machine)).collect();
         let grid = Grid::new(settings.every);
         let last = grid.steps_in(settings.duration);
-        Ok(Recorder { trace: Trace { tracks, ..Trace::default() }, probes, grid, next: 0, last })
+        let (trace, hold_on_overload) = (Trace { tracks, ..Trace::default() }, settings.hold_on_overload);
+        Ok(Recorder { trace, probes, grid, next: 0, last, hold_on_overload })
     }
 
     fn begin(&mut self, machine: &Machine<'_>) {
@@ -162,21 +144,10 @@ impl Recorder {
         }
     }
 
-    /// Writes down every instant of the grid within the stretch that the machine has just gone.
-    fn sample(&mut self, machine: &mut Machine<'_>) {
-        while self.next <= self.last {
-            let time = self.grid.time(self.next);
-            if time > machine.time() * (1.0 + 1e-12) {
-                return;
-            }
-            if time >= machine.time() * (1.0 - 1e-12) {
-                self.write(time, |register| machine.registers[register]);
-            } else {
-                machine.look_back(time);
-                self.write(time, |register| machine.trial_registers[register]);
-            }
-            self.next += 1;
-        }
+    /// The next instant of the grid, if it comes before a time.
+    fn next_before(&self, end: f64) -> Option<f64> {
+        let time = self.grid.time(self.next);
+        (self.next <= self.last && time < end).then_some(time)
     }
 
     fn write(&mut self, time: f64, voltage: impl Fn(usize) -> f64) {
@@ -186,6 +157,32 @@ impl Recorder {
         }
     }
 }
+
+impl Witness for Recorder {
+    /// Writes down the instants of the grid inside a stretch.
+    fn stretch(&mut self, machine: &mut Machine<'_>) {
+        while let Some(time) = self.next_before(machine.time() * (1.0 - SAME)) {
+            machine.look_back(time);
+            self.write(time, |register| machine.trial_registers[register]);
+            self.next += 1;
+        }
+    }
+
+    /// Writes down the instant at its end, as it is after relays have switched.
+    fn arrival(&mut self, machine: &Machine<'_>) {
+        if let Some(time) = self.next_before(machine.time() * (1.0 + SAME)) {
+            self.write(time, |register| machine.registers[register]);
+            self.next += 1;
+        }
+    }
+
+    fn has_seen_enough(&self, machine: &Machine<'_>) -> bool {
+        self.hold_on_overload && machine.is_overloaded()
+    }
+}
+
+/// Times that differ by less than this share of themselves are the same instant.
+const SAME: f64 = 1e-12;
 
 impl Machine<'_> {
     /// Works out the voltages of an instant within the last stretch, by the cubic through the states and
