@@ -1,6 +1,6 @@
 //! Drive: a step.
 
-use crate::program::{Lowering, Register};
+use crate::program::{Guard, Lowering, Register, Transition};
 
 use super::{Kind, Measure, Setting};
 
@@ -18,8 +18,16 @@ pub(super) static KIND: Kind = Kind {
     ..Kind::DRIVE
 };
 
+const BEFORE: f64 = 0.0;
+const AFTER: f64 = 1.0;
+
+// The jump is a change of mode, so that no step of the solver reaches across it.
 fn output_law(lowering: &mut Lowering<'_>) -> Register {
     let (time, at) = (lowering.time(), lowering.get("at"));
-    let (height, zero) = (lowering.get("height"), lowering.constant(0.0));
-    lowering.select(time, at, height, zero)
+    let (height, zero, half) = (lowering.get("height"), lowering.constant(0.0), lowering.constant(0.5));
+    let position = lowering.new_mode(BEFORE);
+    let (since, until) = (lowering.subtract(time, at), lowering.subtract(at, time));
+    lowering.transition(Transition::new(BEFORE, AFTER, Guard::reached(since)));
+    lowering.transition(Transition::new(AFTER, BEFORE, Guard::passed(until)));
+    lowering.select(position, half, height, zero)
 }
