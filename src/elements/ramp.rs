@@ -1,6 +1,6 @@
 //! Drive: a ramp that may turn back.
 
-use crate::program::{Lowering, Register};
+use crate::program::{Guard, Lowering, Register, Transition};
 
 use super::{Kind, Measure, Setting};
 
@@ -33,9 +33,16 @@ fn output_law(lowering: &mut Lowering<'_>) -> Register {
     lowering.add(start, change)
 }
 
-/// Time up to the turn, and as much less after it.
+const FORTH: f64 = 0.0;
+const BACK: f64 = 1.0;
+
+/// Time up to the turn, and as much less after it. The corner is a change of mode, so that no step of the
+/// solver reaches across it.
 fn turned(lowering: &mut Lowering<'_>, time: Register, turn: Register) -> Register {
-    let twice = lowering.add(turn, turn);
-    let back = lowering.subtract(twice, time);
-    lowering.minimum(time, back)
+    let (since, until) = (lowering.subtract(time, turn), lowering.subtract(turn, time));
+    let way = lowering.new_mode(FORTH);
+    lowering.transition(Transition::new(FORTH, BACK, Guard::reached(since)));
+    lowering.transition(Transition::new(BACK, FORTH, Guard::passed(until)));
+    let (back, half) = (lowering.add(turn, until), lowering.constant(0.5));
+    lowering.select(way, half, back, time)
 }

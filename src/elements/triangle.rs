@@ -1,6 +1,6 @@
 //! Drive: a triangular wave.
 
-use crate::program::{Lowering, Register};
+use crate::program::{Guard, Lowering, Register, Transition};
 
 use super::{Kind, Measure, Setting};
 
@@ -19,6 +19,11 @@ pub(super) static KIND: Kind = Kind {
     ..Kind::DRIVE
 };
 
+const RISING: f64 = 0.0;
+const FALLING: f64 = 1.0;
+
+// With s = frequency t + 1/4 and its fraction p: tri = 1 - |4 p - 2|, which is 0 and rising at t = 0. The
+// corners are changes of mode, so that no step of the solver reaches across them.
 fn output_law(lowering: &mut Lowering<'_>) -> Register {
     let (time, frequency) = (lowering.time(), lowering.get("frequency"));
     let periods = lowering.multiply(frequency, time);
@@ -29,6 +34,10 @@ fn output_law(lowering: &mut Lowering<'_>) -> Register {
     let quadrupled = lowering.multiply(four, fraction);
     let centred = lowering.subtract(quadrupled, two);
     let distance = lowering.absolute(centred);
+    let before = lowering.negate(centred);
+    lowering.new_mode(RISING);
+    lowering.transition(Transition::new(RISING, FALLING, Guard::reached(centred)));
+    lowering.transition(Transition::new(FALLING, RISING, Guard::passed(before)));
     let wave = lowering.subtract(one, distance);
     let (amplitude, offset) = (lowering.get("amplitude"), lowering.get("offset"));
     let swing = lowering.multiply(amplitude, wave);

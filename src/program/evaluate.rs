@@ -57,8 +57,8 @@ impl Evaluation for Dual {
         scratch: &mut Scratch,
     ) -> Dual {
         let values = |duals: &[Dual]| duals.iter().map(|dual| dual.value).collect::<Vec<f64>>();
-        let (parameters, coefficients, states) =
-            (values(from.parameters), values(from.coefficients), values(from.states));
+        let [parameters, coefficients, states, delayed] =
+            [from.parameters, from.coefficients, from.states, from.delayed].map(values);
         let plain = Sources {
             parameters: &parameters,
             coefficients: &coefficients,
@@ -66,7 +66,7 @@ impl Evaluation for Dual {
             modes: from.modes,
             time: from.time.value,
             tables: from.tables,
-            delayed: from.delayed,
+            delayed: &delayed,
         };
         let plain_registers = values(registers);
         let solution = solve_tear(program, index, &plain, &plain_registers, scratch);

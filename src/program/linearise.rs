@@ -14,7 +14,8 @@ pub(crate) struct OperatingPoint<'a> {
     pub states: &'a [f64],
     pub modes: &'a [f64],
     pub time: f64,
-    pub delayed: &'a [f64],
+    /// What has arrived in the delay lines, and its slope in volts per second; `None` before anything has.
+    pub delayed: &'a [Option<(f64, f64)>],
 }
 
 /// The derivatives of a program's rates at an instant, modes and the contents of delay lines kept.
@@ -63,6 +64,7 @@ impl Program {
         let parameters = seeded(at.parameters, direction.parameter());
         let states = seeded(at.states, direction.state());
         let coefficients = self.prepare(&parameters);
+        let delayed = self.delayed(at, &coefficients);
         let from = Sources {
             parameters: &parameters,
             coefficients: &coefficients,
@@ -70,11 +72,25 @@ impl Program {
             modes: at.modes,
             time: Dual::new(at.time, 0.0),
             tables: &self.tables,
-            delayed: at.delayed,
+            delayed: &delayed,
         };
         let mut registers = vec![Dual::new(0.0, 0.0); self.body.len()];
         self.evaluate(&from, &mut registers, &mut Scratch::new(self));
         self.states.iter().map(|state| registers[state.rate.index()].slope).collect()
+    }
+
+    /// What the delay lines give: a longer delay reads further back in what they hold.
+    fn delayed(&self, at: &OperatingPoint<'_>, coefficients: &[Dual]) -> Vec<Dual> {
+        let pairs = self.delays.iter().zip(at.delayed);
+        pairs
+            .map(|(delay, arrived)| match *arrived {
+                None => coefficients[delay.initial as usize],
+                Some((volts, slope)) => {
+                    let longer = coefficients[delay.time as usize].slope * delay.problem_seconds;
+                    Dual::new(volts, -slope * longer)
+                }
+            })
+            .collect()
     }
 }
 

@@ -73,7 +73,7 @@ pub(crate) struct Sources<'a, N> {
     pub modes: &'a [f64],
     pub time: N,
     pub tables: &'a [Vec<[f64; 2]>],
-    pub delayed: &'a [f64],
+    pub delayed: &'a [N],
 }
 
 impl Op {
@@ -99,7 +99,7 @@ impl Op {
             }
             Op::Call(function, a, b) => N::call(function, get(a), get(b)),
             Op::Table(index, at) => get(at).table(&from.tables[index as usize]),
-            Op::Delayed(index) => N::constant(from.delayed[index as usize]),
+            Op::Delayed(index) => from.delayed[index as usize],
             Op::Tear(_) => N::constant(f64::NAN),
         }
     }

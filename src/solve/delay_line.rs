@@ -1,14 +1,23 @@
 //! What went into a delay line, and what comes out.
 
 use std::collections::VecDeque;
+use std::ops::RangeInclusive;
 
 /// A sample of the input.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     time: f64,
     volts: f64,
-    /// Whether the input jumped here from the sample before.
-    jumped: bool,
+    /// Whether the input has a jump or a corner here: no curve is drawn across it.
+    breaks: bool,
+}
+
+/// A place where the input is not smooth, and whose echo is still to come.
+#[derive(Debug, Clone, Copy)]
+struct Break {
+    time: f64,
+    /// How often it has gone through a line and become smoother.
+    echoes: u8,
 }
 
 /// The past of one input, as far back as its delay.
@@ -17,16 +26,38 @@ pub(super) struct DelayLine {
     delay: f64,
     initial: f64,
     past: VecDeque<Sample>,
+    breaks: VecDeque<Break>,
+    /// Times nearer to each other than this are the same.
+    near: f64,
 }
 
 /// Room beyond the delay: for the cubic's outer points, and for changes of mode between steps.
 const SPARE: usize = 64;
+/// Share of a step within which times are the same.
+const NEAR: f64 = 1e-9;
+/// An echo is one derivative smoother than what it echoes; steps of order 4 need not stop for more of them.
+const MOST_ECHOES: u8 = 4;
+
+/// A voltage that comes out of a line, and how it depends on the line's settings.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Output {
+    /// The initial voltage: nothing that went in has arrived.
+    Initial,
+    /// What went in, in volts, and its slope in volts per second.
+    Arrived(f64, f64),
+}
 
 impl DelayLine {
     /// An empty line with room for a delay at a step.
     pub fn new(delay: f64, initial: f64, step: f64) -> Self {
         let room = (2.0 * delay / step).min(1e7) as usize + SPARE;
-        DelayLine { delay, initial, past: VecDeque::with_capacity(room) }
+        DelayLine {
+            delay,
+            initial,
+            past: VecDeque::with_capacity(room),
+            breaks: VecDeque::with_capacity(SPARE),
+            near: NEAR * step,
+        }
     }
 
     pub fn delay(&self) -> f64 {
@@ -40,56 +71,133 @@ impl DelayLine {
 
     pub fn clear(&mut self) {
         self.past.clear();
+        self.breaks.clear();
     }
 
-    /// Takes in a sample; one at the same time as the last, but of another voltage, is a jump.
+    /// Takes in a sample.
     pub fn put(&mut self, time: f64, volts: f64) {
-        let last = self.past.back();
-        if last.is_some_and(|last| last.time == time && last.volts == volts) {
-            return;
+        if self.past.back().is_none_or(|last| last.time < time) {
+            self.past.push_back(Sample { time, volts, breaks: false });
+            self.forget(time);
         }
-        let jumped = last.is_some_and(|last| last.time == time);
-        self.past.push_back(Sample { time, volts, jumped });
-        // Twice the delay is kept, so that the delay may be made longer while the machine runs.
+    }
+
+    /// Takes in a sample at which the input jumps or has a corner, itself an echo of so many.
+    pub fn put_break(&mut self, time: f64, volts: f64, echoes: u8) {
+        self.put(time, volts);
+        let Some(last) = self.past.back_mut() else { return };
+        let jumps = last.volts != volts;
+        last.breaks = true;
+        if jumps {
+            self.past.push_back(Sample { time, volts, breaks: true });
+        }
+        if jumps || echoes < MOST_ECHOES {
+            self.breaks.push_back(Break { time, echoes: if jumps { 0 } else { echoes } });
+        }
+    }
+
+    /// Twice the delay is kept, so that the delay may be made longer while the machine runs.
+    fn forget(&mut self, time: f64) {
         while self.past.get(3).is_some_and(|sample| sample.time <= time - 2.0 * self.delay) {
             self.past.pop_front();
         }
     }
 
-    /// What comes out at a time: the cubic through the four samples around, never across a jump.
-    pub fn at(&self, time: f64) -> f64 {
-        let wanted = time - self.delay;
-        let after = self.past.partition_point(|sample| sample.time <= wanted);
-        let Some(before) = after.checked_sub(1) else { return self.initial };
-        if after == self.past.len() {
-            return self.past[before].volts;
+    /// When the next break comes out.
+    pub fn next_echo(&self) -> Option<f64> {
+        self.breaks.front().map(|first| first.time + self.delay)
+    }
+
+    /// Takes off the breaks that have come out by now; tells how often the least smooth of them has echoed.
+    pub fn echoes_by(&mut self, time: f64) -> Option<u8> {
+        let mut least: Option<u8> = None;
+        while let Some(first) =
+            self.breaks.front().filter(|first| first.time + self.delay <= time + self.near)
+        {
+            least = Some(least.map_or(first.echoes, |least| least.min(first.echoes)));
+            self.breaks.pop_front();
         }
-        let (first, last) = self.around(before, after);
+        least
+    }
+
+    /// What comes out from a time on.
+    pub fn from(&self, time: f64) -> f64 {
+        let wanted = time - self.delay;
+        self.volts(self.past.partition_point(|sample| sample.time <= wanted + self.near), wanted)
+    }
+
+    /// What comes out up to a time: at a jump, the voltage before it.
+    pub fn until(&self, time: f64) -> f64 {
+        let wanted = time - self.delay;
+        self.volts(self.past.partition_point(|sample| sample.time < wanted - self.near), wanted)
+    }
+
+    /// What comes out from a time on, with its slope.
+    pub fn output(&self, time: f64) -> Output {
+        let wanted = time - self.delay;
+        let after = self.past.partition_point(|sample| sample.time <= wanted + self.near);
+        if after == 0 {
+            return Output::Initial;
+        }
+        let (first, last) = self.around(after.min(self.past.len() - 1));
+        let slopes = (first..=last).map(|i| self.past[i].volts * self.weight_slope(first..=last, i, wanted));
+        Output::Arrived(self.lagrange(first, last, wanted), slopes.sum())
+    }
+
+    /// The voltage at a time before the sample of this index and not before the one ahead of it.
+    fn volts(&self, after: usize, wanted: f64) -> f64 {
+        if after == 0 {
+            return self.initial;
+        }
+        if after == self.past.len() {
+            return self.past[after - 1].volts;
+        }
+        let (first, last) = self.around(after);
         self.lagrange(first, last, wanted)
     }
 
-    /// Four samples around a pair without a jump between them, or as many as there are.
-    fn around(&self, mut first: usize, mut last: usize) -> (usize, usize) {
+    /// The four samples around the pair that ends here, or as many as there are on the same smooth piece.
+    fn around(&self, after: usize) -> (usize, usize) {
+        let (mut first, mut last) = (after.saturating_sub(1), after);
         for _ in 0..2 {
-            if last - first < 3 && first > 0 && !self.past[first].jumped {
+            if last - first < 3 && self.goes_on_before(first) {
                 first -= 1;
             }
-            if last - first < 3 && self.past.get(last + 1).is_some_and(|sample| !sample.jumped) {
+            if last - first < 3 && self.goes_on_after(last) {
                 last += 1;
             }
         }
         (first, last)
     }
 
-    fn lagrange(&self, first: usize, last: usize, time: f64) -> f64 {
-        let nodes = first..=last;
-        nodes.clone().map(|i| self.past[i].volts * self.weight(nodes.clone(), i, time)).sum()
+    fn goes_on_before(&self, first: usize) -> bool {
+        first > 0 && !self.past[first].breaks
     }
 
-    fn weight(&self, nodes: impl Iterator<Item = usize>, own: usize, time: f64) -> f64 {
+    fn goes_on_after(&self, last: usize) -> bool {
+        last + 1 < self.past.len() && !self.past[last].breaks
+    }
+
+    /// The polynomial through the samples of these indices (Lagrange).
+    fn lagrange(&self, first: usize, last: usize, time: f64) -> f64 {
+        (first..=last).map(|i| self.past[i].volts * self.weight(first..=last, i, time)).sum()
+    }
+
+    fn weight(&self, nodes: RangeInclusive<usize>, own: usize, time: f64) -> f64 {
         let own_time = self.past[own].time;
         let others = nodes.filter(|node| *node != own).map(|node| self.past[node].time);
         others.map(|other| (time - other) / (own_time - other)).product()
+    }
+
+    fn weight_slope(&self, nodes: RangeInclusive<usize>, own: usize, time: f64) -> f64 {
+        let factors = |left_out: usize| {
+            let left = nodes.clone().filter(move |node| *node != own && *node != left_out);
+            left.map(|node| (time - self.past[node].time) / (self.past[own].time - self.past[node].time))
+        };
+        let others = nodes.clone().filter(|node| *node != own);
+        others
+            .map(|other| factors(other).product::<f64>() / (self.past[own].time - self.past[other].time))
+            .sum()
     }
 }
 
@@ -98,28 +206,57 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cubic_comes_out_as_it_went_in() {
+    fn a_cubic_comes_out_as_it_went_in_and_so_does_its_slope() {
         let cubic = |t: f64| 1.0 + t - 2.0 * t * t + 0.5 * t * t * t;
+        let slope = |t: f64| 1.0 - 4.0 * t + 1.5 * t * t;
         let mut line = DelayLine::new(1.0, 0.0, 0.1);
         (0..=30).for_each(|k| line.put(f64::from(k) * 0.1, cubic(f64::from(k) * 0.1)));
         for t in [3.05, 3.51, 3.77, 3.97] {
-            assert!((line.at(t) - cubic(t - 1.0)).abs() < 1e-12, "{t}");
+            assert!((line.from(t) - cubic(t - 1.0)).abs() < 1e-12, "{t}");
+            let Output::Arrived(volts, found) = line.output(t) else { panic!("{t}") };
+            assert!((volts - line.from(t)).abs() < 1e-12 && (found - slope(t - 1.0)).abs() < 1e-11, "{t}");
         }
     }
 
     #[test]
     fn before_the_delay_the_initial_voltage_comes_out() {
         let mut line = DelayLine::new(1.0, 7.0, 0.1);
-        line.put(0.0, 3.0);
+        line.put_break(0.0, 3.0, 0);
         line.put(0.1, 3.0);
-        assert_eq!((line.at(0.5), line.at(1.0)), (7.0, 3.0));
+        assert_eq!((line.from(0.5), line.until(1.0), line.from(1.0)), (7.0, 7.0, 3.0));
     }
 
     #[test]
     fn a_jump_stays_a_jump() {
         let mut line = DelayLine::new(1.0, 0.0, 0.1);
-        let samples = [(0.0, 1.0), (0.1, 1.0), (0.15, 1.0), (0.15, 5.0), (0.2, 5.0), (0.3, 5.0)];
-        samples.iter().for_each(|(time, volts)| line.put(*time, *volts));
-        assert_eq!((line.at(1.149), line.at(1.151)), (1.0, 5.0));
+        [(0.0, 1.0), (0.1, 1.0), (0.15, 1.0)].map(|(t, v)| line.put(t, v));
+        line.put_break(0.15, 5.0, 0);
+        [(0.2, 5.0), (0.3, 5.0)].map(|(t, v)| line.put(t, v));
+        assert_eq!((line.from(1.149), line.from(1.151)), (1.0, 5.0));
+        assert_eq!((line.until(1.15), line.from(1.15)), (1.0, 5.0));
+    }
+
+    #[test]
+    fn a_corner_is_not_rounded() {
+        let mut line = DelayLine::new(1.0, 0.0, 0.1);
+        let corner = |k: i32| (f64::from(k) * 0.1, f64::from((k - 5).max(0)).powi(3));
+        for (time, volts) in (0..=10).map(corner) {
+            line.put(time, volts);
+            if volts == 0.0 && time > 0.45 {
+                line.put_break(time, volts, 0);
+            }
+        }
+        assert_eq!(line.from(1.45), 0.0);
+        assert!((line.from(1.55) - 0.125).abs() < 1e-9);
+    }
+
+    #[test]
+    fn breaks_come_out_in_their_order_and_wear_off() {
+        let mut line = DelayLine::new(1.0, 0.0, 0.1);
+        line.put_break(0.0, 1.0, 0);
+        line.put_break(0.25, 1.0, MOST_ECHOES);
+        line.put_break(0.5, 1.0, 3);
+        assert_eq!(line.next_echo(), Some(1.0));
+        assert_eq!((line.echoes_by(0.9), line.echoes_by(1.0), line.next_echo()), (None, Some(0), Some(1.5)));
     }
 }

@@ -12,15 +12,17 @@ const FOUND: f64 = 1e-13;
 const MOST_LOOKS: usize = 100;
 
 impl Machine<'_> {
-    /// Goes to a time, stopping for every change of mode on the way.
+    /// Goes to a time, stopping for every change of mode and every echo of one on the way.
     pub(super) fn advance(&mut self, target: f64, witness: &mut impl Witness) -> Result<(), RunError> {
         let mut changes = 0;
         loop {
-            let length = target - self.time;
+            let end = self.end_of_stretch(target);
+            let length = end - self.time;
             self.step_ahead(length);
             let share = if self.any_fires_ahead() { self.first_change(length) } else { 1.0 };
-            let time = if share >= 1.0 { target } else { self.time + share * length };
+            let time = if share >= 1.0 { end } else { self.time + share * length };
             self.accept(time, witness)?;
+            self.hear_echoes();
             changes += self.settle(changes)?;
             witness.arrival(self);
             if self.time >= target {
@@ -60,7 +62,7 @@ impl Machine<'_> {
             self.states[reset.state as usize] = self.registers[reset.to.index()];
         }
         self.evaluate();
-        self.remember_delays();
+        self.remember_break(0);
     }
 
     /// Transitions that can be made from the present modes.

@@ -1,6 +1,6 @@
 //! The machine: a program with states, modes and a clock, in one of the modes of an analogue computer.
 
-use super::delay_line::DelayLine;
+use super::delay_line::{DelayLine, Output};
 use super::error::RunError;
 use super::grid::Grid;
 use super::overload::{self, Lit, Overload};
@@ -291,7 +291,7 @@ impl<'p> Machine<'p> {
     fn disturbed(&mut self) -> Result<(), RunError> {
         self.last.time = self.time;
         self.evaluate();
-        self.remember_delays();
+        self.remember_break(0);
         self.settle(0)?;
         self.check_voltages()?;
         self.watch_amplifiers();
@@ -325,13 +325,16 @@ impl<'p> Machine<'p> {
 
     /// The rates' exact derivatives with respect to states and parameters, here and now.
     pub fn linearise(&self) -> Linearisation {
-        let delayed: Vec<f64> = self.lines.iter().map(|line| line.at(self.time)).collect();
+        let delayed = self.lines.iter().map(|line| match line.output(self.time) {
+            Output::Initial => None,
+            Output::Arrived(volts, slope) => Some((volts, slope)),
+        });
         self.program.linearise(&OperatingPoint {
             parameters: &self.parameters,
             states: &self.states,
             modes: &self.modes,
             time: self.time,
-            delayed: &delayed,
+            delayed: &delayed.collect::<Vec<_>>(),
         })
     }
 
@@ -353,7 +356,7 @@ impl<'p> Machine<'p> {
     pub(super) fn evaluate(&mut self) {
         self.scratch.fault = None;
         for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
-            *delayed = line.at(self.time);
+            *delayed = line.from(self.time);
         }
         let from = Sources {
             parameters: &self.parameters,
@@ -370,10 +373,11 @@ impl<'p> Machine<'p> {
         }
     }
 
-    /// Works out every voltage for the trial states at another time.
+    /// Works out every voltage for the trial states at a later time, which nothing has reached yet: what
+    /// jumps there stands as before its jump.
     pub(super) fn evaluate_trial(&mut self, time: f64) {
         for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
-            *delayed = line.at(time);
+            *delayed = line.until(time);
         }
         let from = Sources {
             parameters: &self.parameters,
@@ -417,9 +421,32 @@ impl<'p> Machine<'p> {
         Ok(())
     }
 
-    pub(super) fn remember_delays(&mut self) {
+    fn remember_delays(&mut self) {
         for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
             line.put(self.time, self.registers[delay.input.index()]);
+        }
+    }
+
+    /// The same at an instant at which voltages jump or turn a corner: their echo will do so too. `echoes`
+    /// tells how often it has echoed so far.
+    pub(super) fn remember_break(&mut self, echoes: u8) {
+        for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
+            line.put_break(self.time, self.registers[delay.input.index()], echoes);
+        }
+    }
+
+    /// The end of a stretch on the way to a time: no stretch goes across an echo.
+    pub(super) fn end_of_stretch(&self, target: f64) -> f64 {
+        let echoes = self.lines.iter().filter_map(DelayLine::next_echo);
+        echoes.filter(|echo| *echo > self.time).fold(target, f64::min)
+    }
+
+    /// Takes in the echoes that come out of delay lines now.
+    pub(super) fn hear_echoes(&mut self) {
+        let heard = self.lines.iter_mut().filter_map(|line| line.echoes_by(self.time)).min();
+        if let Some(echoes) = heard {
+            self.evaluate();
+            self.remember_break(echoes + 1);
         }
     }
 
