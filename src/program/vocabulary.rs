@@ -1,10 +1,13 @@
 //! What an element's law can read, and the operations that it can emit.
 
 use super::lower::Lowering;
-use super::{Delay, Mode, Op, Register, State, Transition};
+use super::{Delay, Guard, Mode, Op, Register, State, Transition};
 use crate::elements::Default as SettingDefault;
 use crate::machines::REFERENCE;
 use crate::patch::{Amount, Function};
+
+/// Mode of an integrator between its limits; at a limit the mode is the limit's sign.
+const FREE: f64 = 0.0;
 
 /// What a law reads.
 impl<'c> Lowering<'c> {
@@ -208,20 +211,32 @@ impl Lowering<'_> {
         }
     }
 
-    /// Sets d/dt of the current element's state, in volts per machine second. At ±100 V it is 0 while it
-    /// points outward.
+    /// Sets d/dt of the current element's state, in volts per machine second. At ±100 V the state is held
+    /// while its rate points outward: a mode of the element, so that coming there and leaving are located.
     pub fn set_rate(&mut self, rate: Register) {
         let demand = self.scaled(rate, self.circuit.time_scale());
-        let out = self.state();
-        let [zero, upper, lower] = [0.0, REFERENCE, -REFERENCE].map(|value| self.constant(value));
-        let inward = self.minimum(demand, zero);
-        let below_top = self.select(out, upper, inward, demand);
-        let outward = self.maximum(below_top, zero);
-        let rate = self.select(lower, out, outward, below_top);
+        let (held, zero, half) = (self.new_mode(FREE), self.constant(0.0), self.constant(0.5));
+        for sign in [1.0, -1.0] {
+            self.limit(sign, demand);
+        }
+        let size = self.absolute(held);
+        let rate = self.select(size, half, zero, demand);
         if let Some(index) = self.own_state() {
             let state = &mut self.program.states[index as usize];
             (state.rate, state.demand) = (rate, demand);
         }
+    }
+
+    /// The limit of this sign: met from inside, left when driven inward or set inside by something else.
+    fn limit(&mut self, sign: f64, demand: Register) {
+        let (limit, out) = (self.constant(sign * REFERENCE), self.state());
+        let (past, short) = (self.subtract(out, limit), self.subtract(limit, out));
+        let (over, inside) = if sign > 0.0 { (past, short) } else { (short, past) };
+        let inward = if sign > 0.0 { self.negate(demand) } else { demand };
+        let meets = Transition::new(FREE, sign, Guard::passed(over)).reset(self, limit);
+        self.transition(meets);
+        self.transition(Transition::new(sign, FREE, Guard::passed(inward)));
+        self.transition(Transition::new(sign, FREE, Guard::passed(inside)));
     }
 
     /// A new mode of the current element.

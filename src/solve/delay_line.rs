@@ -1,7 +1,6 @@
 //! What went into a delay line, and what comes out.
 
 use std::collections::VecDeque;
-use std::ops::RangeInclusive;
 
 /// A sample of the input.
 #[derive(Debug, Clone, Copy)]
@@ -29,12 +28,16 @@ pub(super) struct DelayLine {
     breaks: VecDeque<Break>,
     /// Times nearer to each other than this are the same.
     near: f64,
+    /// Samples nearer to each other than this are not both used: their rounding would grow in the curve.
+    apart: f64,
 }
 
 /// Room beyond the delay: for the cubic's outer points, and for changes of mode between steps.
 const SPARE: usize = 64;
 /// Share of a step within which times are the same.
 const NEAR: f64 = 1e-9;
+/// Share of a step by which the samples of a curve lie apart: keeps rounding under 1e-11 of the voltage.
+const APART: f64 = 1e-3;
 /// An echo is one derivative smoother than what it echoes; steps of order 4 need not stop for more of them.
 const MOST_ECHOES: u8 = 4;
 
@@ -57,6 +60,7 @@ impl DelayLine {
             past: VecDeque::with_capacity(room),
             breaks: VecDeque::with_capacity(SPARE),
             near: NEAR * step,
+            apart: APART * step,
         }
     }
 
@@ -103,9 +107,9 @@ impl DelayLine {
         }
     }
 
-    /// When the next break comes out.
-    pub fn next_echo(&self) -> Option<f64> {
-        self.breaks.front().map(|first| first.time + self.delay)
+    /// When the next break comes out, if that is well before a time.
+    pub fn echo_before(&self, end: f64) -> Option<f64> {
+        self.breaks.front().map(|first| first.time + self.delay).filter(|echo| *echo < end - self.near)
     }
 
     /// Takes off the breaks that have come out by now; tells how often the least smooth of them has echoed.
@@ -139,9 +143,9 @@ impl DelayLine {
         if after == 0 {
             return Output::Initial;
         }
-        let (first, last) = self.around(after.min(self.past.len() - 1));
-        let slopes = (first..=last).map(|i| self.past[i].volts * self.weight_slope(first..=last, i, wanted));
-        Output::Arrived(self.lagrange(first, last, wanted), slopes.sum())
+        let nodes = self.around(after.min(self.past.len() - 1));
+        let slopes = nodes.each().map(|node| self.past[node].volts * self.weight_slope(nodes, node, wanted));
+        Output::Arrived(self.lagrange(nodes, wanted), slopes.sum())
     }
 
     /// The voltage at a time before the sample of this index and not before the one ahead of it.
@@ -152,52 +156,79 @@ impl DelayLine {
         if after == self.past.len() {
             return self.past[after - 1].volts;
         }
-        let (first, last) = self.around(after);
-        self.lagrange(first, last, wanted)
+        self.lagrange(self.around(after), wanted)
     }
 
     /// The four samples around the pair that ends here, or as many as there are on the same smooth piece.
-    fn around(&self, after: usize) -> (usize, usize) {
+    fn around(&self, after: usize) -> Nodes {
         let (mut first, mut last) = (after.saturating_sub(1), after);
+        let mut nodes = Nodes::pair(first, last);
         for _ in 0..2 {
-            if last - first < 3 && self.goes_on_before(first) {
-                first -= 1;
+            if let Some(before) = self.node_before(first).filter(|_| nodes.count < 4) {
+                first = before;
+                nodes.add(before);
             }
-            if last - first < 3 && self.goes_on_after(last) {
-                last += 1;
+            if let Some(next) = self.node_after(last).filter(|_| nodes.count < 4) {
+                last = next;
+                nodes.add(next);
             }
         }
-        (first, last)
+        nodes
     }
 
-    fn goes_on_before(&self, first: usize) -> bool {
-        first > 0 && !self.past[first].breaks
+    fn node_before(&self, first: usize) -> Option<usize> {
+        let fit = |node: usize| self.past[first].time - self.past[node].time > self.apart;
+        let mut smooth = (0..first).rev().take_while(|node| !self.past[node + 1].breaks);
+        smooth.find(|node| fit(*node))
     }
 
-    fn goes_on_after(&self, last: usize) -> bool {
-        last + 1 < self.past.len() && !self.past[last].breaks
+    fn node_after(&self, last: usize) -> Option<usize> {
+        let fit = |node: usize| self.past[node].time - self.past[last].time > self.apart;
+        let mut smooth = (last + 1..self.past.len()).take_while(|node| !self.past[node - 1].breaks);
+        smooth.find(|node| fit(*node))
     }
 
-    /// The polynomial through the samples of these indices (Lagrange).
-    fn lagrange(&self, first: usize, last: usize, time: f64) -> f64 {
-        (first..=last).map(|i| self.past[i].volts * self.weight(first..=last, i, time)).sum()
+    /// The polynomial through these samples (Lagrange).
+    fn lagrange(&self, nodes: Nodes, time: f64) -> f64 {
+        nodes.each().map(|node| self.past[node].volts * self.weight(nodes, node, time)).sum()
     }
 
-    fn weight(&self, nodes: RangeInclusive<usize>, own: usize, time: f64) -> f64 {
+    fn weight(&self, nodes: Nodes, own: usize, time: f64) -> f64 {
         let own_time = self.past[own].time;
-        let others = nodes.filter(|node| *node != own).map(|node| self.past[node].time);
+        let others = nodes.each().filter(|node| *node != own).map(|node| self.past[node].time);
         others.map(|other| (time - other) / (own_time - other)).product()
     }
 
-    fn weight_slope(&self, nodes: RangeInclusive<usize>, own: usize, time: f64) -> f64 {
-        let factors = |left_out: usize| {
-            let left = nodes.clone().filter(move |node| *node != own && *node != left_out);
-            left.map(|node| (time - self.past[node].time) / (self.past[own].time - self.past[node].time))
+    fn weight_slope(&self, nodes: Nodes, own: usize, time: f64) -> f64 {
+        let distance = |node: usize| self.past[own].time - self.past[node].time;
+        let others = || nodes.each().filter(move |node| *node != own);
+        let rest = |left_out: usize| {
+            let left = others().filter(move |node| *node != left_out);
+            left.map(|node| (time - self.past[node].time) / distance(node)).product::<f64>()
         };
-        let others = nodes.clone().filter(|node| *node != own);
-        others
-            .map(|other| factors(other).product::<f64>() / (self.past[own].time - self.past[other].time))
-            .sum()
+        others().map(|other| rest(other) / distance(other)).sum()
+    }
+}
+
+/// Indices of up to four samples.
+#[derive(Debug, Clone, Copy)]
+struct Nodes {
+    indices: [usize; 4],
+    count: usize,
+}
+
+impl Nodes {
+    fn pair(first: usize, last: usize) -> Self {
+        Nodes { indices: [first, last, 0, 0], count: if first == last { 1 } else { 2 } }
+    }
+
+    fn add(&mut self, index: usize) {
+        self.indices[self.count] = index;
+        self.count += 1;
+    }
+
+    fn each(self) -> impl Iterator<Item = usize> {
+        self.indices.into_iter().take(self.count)
     }
 }
 
@@ -229,9 +260,9 @@ mod tests {
     #[test]
     fn a_jump_stays_a_jump() {
         let mut line = DelayLine::new(1.0, 0.0, 0.1);
-        [(0.0, 1.0), (0.1, 1.0), (0.15, 1.0)].map(|(t, v)| line.put(t, v));
+        [0.0, 0.1, 0.15].iter().for_each(|time| line.put(*time, 1.0));
         line.put_break(0.15, 5.0, 0);
-        [(0.2, 5.0), (0.3, 5.0)].map(|(t, v)| line.put(t, v));
+        [0.2, 0.3].iter().for_each(|time| line.put(*time, 5.0));
         assert_eq!((line.from(1.149), line.from(1.151)), (1.0, 5.0));
         assert_eq!((line.until(1.15), line.from(1.15)), (1.0, 5.0));
     }
@@ -251,12 +282,26 @@ mod tests {
     }
 
     #[test]
+    fn samples_close_together_do_not_blow_up_their_rounding() {
+        let mut line = DelayLine::new(1.0, 0.0, 0.1);
+        for k in 0..20 {
+            let time = f64::from(k) * 0.1;
+            line.put(time, time);
+            line.put(time + 1e-14, time + 5e-14);
+        }
+        assert!(
+            (1..10).all(|k| (line.from(1.05 + f64::from(k) * 0.1) - f64::from(k) * 0.1 - 0.05).abs() < 1e-11)
+        );
+    }
+
+    #[test]
     fn breaks_come_out_in_their_order_and_wear_off() {
         let mut line = DelayLine::new(1.0, 0.0, 0.1);
         line.put_break(0.0, 1.0, 0);
         line.put_break(0.25, 1.0, MOST_ECHOES);
         line.put_break(0.5, 1.0, 3);
-        assert_eq!(line.next_echo(), Some(1.0));
-        assert_eq!((line.echoes_by(0.9), line.echoes_by(1.0), line.next_echo()), (None, Some(0), Some(1.5)));
+        assert_eq!((line.echo_before(1.0), line.echo_before(1.1)), (None, Some(1.0)));
+        assert_eq!((line.echoes_by(0.9), line.echoes_by(1.0)), (None, Some(0)));
+        assert_eq!(line.echo_before(9.0), Some(1.5));
     }
 }

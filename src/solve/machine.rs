@@ -46,8 +46,6 @@ pub struct Machine<'p> {
     pub(super) rates: [Vec<f64>; 4],
     pub(super) trial: Vec<f64>,
     pub(super) trial_registers: Vec<f64>,
-    /// States that a step asks for, before the amplifiers stop them.
-    pub(super) ahead: Vec<f64>,
     /// Where the last stretch began, for what is recorded within it.
     pub(super) last: Stretch,
     parameters: Vec<f64>,
@@ -116,7 +114,6 @@ impl<'p> Machine<'p> {
             rates: [zeros(), zeros(), zeros(), zeros()],
             trial: zeros(),
             trial_registers: vec![0.0; program.body.len()],
-            ahead: zeros(),
             last: Stretch { time: 0.0, states: zeros(), rates: zeros() },
             delayed: vec![0.0; program.delays.len()],
             lines: delay_lines(program, &coefficients, step),
@@ -391,13 +388,11 @@ impl<'p> Machine<'p> {
         self.program.evaluate(&from, &mut self.trial_registers, &mut self.scratch);
     }
 
-    /// Looks ahead by a step of this length: states before the amplifiers stop them, voltages after.
+    /// Looks ahead by a step of this length: states and voltages at its end.
     pub(super) fn step_ahead(&mut self, length: f64) {
         self.scratch.fault = None;
         self.rk4(length);
-        for (trial, ahead) in self.trial.iter_mut().zip(&self.ahead) {
-            *trial = stopped(*ahead);
-        }
+        self.trial.iter_mut().filter(|volts| volts.abs() < SMALLEST).for_each(|volts| *volts = 0.0);
         self.evaluate_trial(self.time + length);
     }
 
@@ -437,8 +432,7 @@ impl<'p> Machine<'p> {
 
     /// The end of a stretch on the way to a time: no stretch goes across an echo.
     pub(super) fn end_of_stretch(&self, target: f64) -> f64 {
-        let echoes = self.lines.iter().filter_map(DelayLine::next_echo);
-        echoes.filter(|echo| *echo > self.time).fold(target, f64::min)
+        self.lines.iter().filter_map(|line| line.echo_before(target)).fold(target, f64::min)
     }
 
     /// Takes in the echoes that come out of delay lines now.
@@ -487,18 +481,13 @@ impl<'p> Machine<'p> {
         }
     }
 
-    /// Lights the lamps of integrators that went past ±100 V, or stand there and are driven on.
+    /// Lights the lamps of integrators that are held at ±100 V while they are driven on.
     fn watch_integrators(&mut self) {
         let length = self.time - self.last.time;
         for (index, state) in self.program.states.iter().enumerate() {
-            let driven = self.states[index] + length * self.registers[state.demand.index()];
-            let at_limit = self.states[index].abs() >= REFERENCE;
-            let asked =
-                if at_limit { self.ahead[index].abs().max(driven.abs()) } else { self.ahead[index].abs() };
-            if asked > LAMP_LEVEL {
-                let time =
-                    lit_at(self.last.time, self.last.states[index].abs(), self.time, self.ahead[index].abs());
-                light(&mut self.lamps[state.element], state.element, time, asked);
+            let asked = (self.states[index] + length * self.registers[state.demand.index()]).abs();
+            if self.last.states[index].abs() >= REFERENCE && asked > LAMP_LEVEL {
+                light(&mut self.lamps[state.element], state.element, self.last.time, asked);
             }
         }
     }
@@ -513,11 +502,6 @@ fn light(lamp: &mut Option<Lit>, element: usize, time: f64, asked: f64) {
 fn lit_at(begin: f64, before: f64, end: f64, after: f64) -> f64 {
     let share = (LAMP_LEVEL - before) / (after - before);
     if share > 0.0 && share < 1.0 { begin + share * (end - begin) } else { end }
-}
-
-/// A state as the amplifier can hold it.
-fn stopped(volts: f64) -> f64 {
-    if volts.abs() < SMALLEST { 0.0 } else { volts.clamp(-REFERENCE, REFERENCE) }
 }
 
 fn delay_lines(program: &Program, coefficients: &[f64], step: f64) -> Vec<DelayLine> {

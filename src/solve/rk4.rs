@@ -3,7 +3,7 @@
 use super::machine::Machine;
 
 impl Machine<'_> {
-    /// Puts the states one step of this length ahead into `ahead`, from the present state and its rates,
+    /// Puts the states one step of this length ahead into `trial`, from the present state and its rates,
     /// which `rates[0]` holds. Modes stay as they are.
     pub(super) fn rk4(&mut self, length: f64) {
         for (stage, share) in [(0, 0.5), (1, 0.5), (2, 1.0)] {
@@ -12,9 +12,9 @@ impl Machine<'_> {
             self.keep_rates(stage + 1);
         }
         let sixth = length / 6.0;
-        for (index, ahead) in self.ahead.iter_mut().enumerate() {
+        for (index, trial) in self.trial.iter_mut().enumerate() {
             let [first, second, third, fourth] = [0, 1, 2, 3].map(|stage: usize| self.rates[stage][index]);
-            *ahead = self.states[index] + sixth * (first + 2.0 * second + 2.0 * third + fourth);
+            *trial = self.states[index] + sixth * (first + 2.0 * second + 2.0 * third + fourth);
         }
     }
 
