@@ -120,11 +120,14 @@ impl ElementBuilder {
         self.set(input, from)
     }
 
-    /// Cords into a summing input, such as "x10".
+    /// Cords into a summing input, such as "x10", beside those that it has.
     pub fn cords<const N: usize>(mut self, jack: &str, from: [&str; N]) -> Self {
         let jacks = self.entry.entry("in").or_insert_with(|| Value::Object(Map::new()));
         if let Value::Object(jacks) = jacks {
-            jacks.insert(jack.to_owned(), json!(from.to_vec()));
+            let cords = jacks.entry(jack).or_insert_with(|| json!([]));
+            if let Value::Array(cords) = cords {
+                cords.extend(from.map(Value::from));
+            }
         }
         self
     }
