@@ -1,0 +1,63 @@
+//! A step allocates nothing.
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use common::{patch, program, ran, slideway};
+use patchcord::program::Program;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+struct Counting;
+
+// SAFETY: hands every call on to the system's allocator; counting touches no memory of the caller's.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(place, layout) }
+    }
+
+    unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.realloc(place, layout, size) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// Allocations of so many steps, after a step to warm up.
+fn allocations(program: &Program, step: f64, steps: usize) -> usize {
+    let mut machine = ran(program, step, step);
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    machine.operate(step * steps as f64).unwrap();
+    ALLOCATIONS.load(Ordering::Relaxed) - before
+}
+
+// One test: another one beside it would be counted too.
+#[test]
+fn steps_allocate_nothing() {
+    let cases = [
+        ("fig-8-16", program(&slideway(), &[]), 2e-5),
+        ("loop-lag", program(&patch("loop-lag"), &[]), 1e-3),
+        ("delay-line", program(&patch("delay-line"), &[]), 1e-3),
+        ("bouncing-ball", program(&patch("bouncing-ball"), &[]), 1e-3),
+        ("stick-slip-brake", program(&patch("stick-slip-brake"), &[]), 1e-3),
+        ("relay-oscillator", program(&patch("relay-oscillator"), &[]), 1e-2),
+        ("integrator-limit", program(&patch("integrator-limit"), &[]), 1e-2),
+    ];
+    for (name, program, step) in &cases {
+        let (thousand, two_thousand, many) = (
+            allocations(program, *step, 1000),
+            allocations(program, *step, 2000),
+            allocations(program, *step, 10_000),
+        );
+        assert_eq!((thousand, two_thousand, many), (0, 0, 0), "{name}");
+    }
+}

@@ -1,0 +1,157 @@
+//! What tests of whole patches share: the journey to a program, roots of closed solutions, and exact
+//! derivatives held against differences.
+
+#![allow(dead_code, reason = "every test binary takes what it needs")]
+
+use std::path::Path;
+
+use patchcord::circuit::Circuit;
+use patchcord::patch::{ElementBuilder, Patch, PatchBuilder};
+use patchcord::program::Program;
+use patchcord::solve::Machine;
+
+/// A patch of tests/patches.
+pub fn patch(stem: &str) -> Patch {
+    read(&format!("tests/patches/{stem}.json"))
+}
+
+/// The slideway with falling friction and friction memory.
+pub fn slideway() -> Patch {
+    read("patches/thesis/fig-8-16.json")
+}
+
+fn read(file: &str) -> Patch {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+    Patch::read(&path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A patch's circuit, with parameters changed.
+pub fn circuit(patch: &Patch, changes: &[(&str, f64)]) -> Circuit {
+    let changes: Vec<_> = changes.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    Circuit::new(patch, &changes).unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// A patch's program, with parameters changed.
+pub fn program(patch: &Patch, changes: &[(&str, f64)]) -> Program {
+    Program::new(&circuit(patch, changes)).unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// The program of a patch made in Rust.
+pub fn built(builder: PatchBuilder) -> Program {
+    let patch = builder.build().unwrap_or_else(|report| panic!("{report}"));
+    program(&patch, &[])
+}
+
+/// An element of a kind.
+pub fn element(kind: &str) -> ElementBuilder {
+    ElementBuilder::new(kind)
+}
+
+/// A patch in volts: the scale "volt" is 1 V.
+pub fn volts(title: &str) -> PatchBuilder {
+    PatchBuilder::new(title).scale("volt", 1, "V").run(1.0, 1e-3)
+}
+
+/// A fixed voltage: a step at t = 0.
+pub fn source(builder: PatchBuilder, name: &str, height: f64) -> PatchBuilder {
+    builder.drive(name, "volt", element("step").set("height", height))
+}
+
+/// A machine that has run for a time.
+pub fn ran(program: &Program, step: f64, length: f64) -> Machine<'_> {
+    let mut machine = Machine::new(program, step).unwrap_or_else(|error| panic!("{error}"));
+    machine.operate(length).unwrap_or_else(|error| panic!("{error}"));
+    machine
+}
+
+/// The voltage at an output.
+pub fn voltage(machine: &Machine<'_>, element: &str) -> f64 {
+    machine.voltage(element).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Where a function changes its sign between two places at which it has different ones.
+pub fn root(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    let (mut low, mut high) = (low, high);
+    let rising = function(low) < function(high);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if (function(middle) < 0.0) == rising { low = middle } else { high = middle }
+    }
+    high
+}
+
+/// So many random cases, without a file of past failures: a case that failed becomes a test of its own.
+pub fn random_cases(cases: u32) -> proptest::test_runner::Config {
+    proptest::test_runner::Config { cases, failure_persistence: None, ..Default::default() }
+}
+
+/// The slope of the straight line through (log step, log error): the order that is reached.
+pub fn order(steps: &[f64], errors: &[f64]) -> f64 {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let logs = |values: &[f64]| values.iter().map(|value| value.ln()).collect::<Vec<_>>();
+    let (x, y) = (logs(steps), logs(errors));
+    let (mean_x, mean_y) = (mean(&x), mean(&y));
+    let products: f64 = x.iter().zip(&y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
+    products / x.iter().map(|x| (x - mean_x).powi(2)).sum::<f64>()
+}
+
+/// Holds a program's exact derivatives against central differences of its rates, at instants away from kinks.
+pub fn check_derivatives(program: &Program, step: f64, instants: &[f64]) {
+    check_derivatives_but(program, step, instants, &[]);
+}
+
+/// The same, where some states stand at a kink (stuck, resting, at a limit) and cannot be moved both ways.
+pub fn check_derivatives_but(program: &Program, step: f64, instants: &[f64], held: &[&str]) {
+    for instant in instants {
+        let machine = ran(program, step, *instant);
+        let exact = machine.linearise();
+        for (column, state) in
+            exact.states.iter().enumerate().filter(|(_, state)| !held.contains(&state.as_str()))
+        {
+            let found = difference_by_state(&machine, state, machine.states()[column]);
+            let told: Vec<f64> = exact.by_states.column(column).iter().copied().collect();
+            compare(&told, &found, &format!("by {state} at {instant} s"));
+        }
+        for (column, slot) in program.parameters().iter().enumerate() {
+            let si = slot.value.abs().max(1e-3 * slot.per_unit);
+            let found =
+                difference_by_parameter(&machine, &slot.name, slot.value / slot.per_unit, si / slot.per_unit);
+            let told = exact.by_parameters.column(column);
+            let told: Vec<f64> = told.iter().map(|slope| slope * si).collect();
+            compare(&told, &found, &format!("by {} at {instant} s", slot.name));
+        }
+    }
+}
+
+fn difference_by_state(machine: &Machine<'_>, state: &str, volts: f64) -> Vec<f64> {
+    let rates = |volts: f64| {
+        let mut moved = machine.clone();
+        moved.set_state(state, volts).unwrap_or_else(|error| panic!("{error}"));
+        moved.rates().to_vec()
+    };
+    // Most rates are straight lines of the states: a wide difference keeps rounding out.
+    central(rates, volts, 1e-3)
+}
+
+/// The difference per share of the parameter, so that every entry is in volts per second.
+fn difference_by_parameter(machine: &Machine<'_>, name: &str, value: f64, size: f64) -> Vec<f64> {
+    let rates = |share: f64| {
+        let mut turned = machine.clone();
+        turned.set(name, value + share * size).unwrap_or_else(|error| panic!("{name}: {error}"));
+        turned.rates().to_vec()
+    };
+    central(rates, 0.0, 1e-5)
+}
+
+fn central(rates: impl Fn(f64) -> Vec<f64>, at: f64, distance: f64) -> Vec<f64> {
+    let (above, below) = (rates(at + distance), rates(at - distance));
+    above.iter().zip(&below).map(|(above, below)| (above - below) / (2.0 * distance)).collect()
+}
+
+/// Differences are good to about the square of their distance, 1e-10, and to rounding of rates over distance.
+fn compare(told: &[f64], found: &[f64], what: &str) {
+    for (row, (told, found)) in told.iter().zip(found).enumerate() {
+        let allowed = 1e-7 * (1.0 + told.abs());
+        assert!((told - found).abs() <= allowed, "rate {row} {what}: {told} against {found}");
+    }
+}

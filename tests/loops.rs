@@ -1,0 +1,117 @@
+//! Loops without an integrator: one solution is taken, several are told and refused.
+
+mod common;
+
+use common::{built, check_derivatives, circuit, element, patch, ran, root, source, voltage, volts};
+use patchcord::patch::{Patch, PatchBuilder};
+use patchcord::program::Program;
+use proptest::prelude::*;
+
+/// A summer fed back through a pot: out = -(gain_in u + gain_back setting out).
+fn fed_back(u: f64, gain_in: u32, gain_back: u32, setting: f64) -> PatchBuilder {
+    let (input, back) = (format!("x{gain_in}"), format!("x{gain_back}"));
+    source(volts("fed back"), "u", u)
+        .element("P1", element("pot").cord("in", "S1").set("setting", setting))
+        .element("S1", element("summer").cords(&input, ["u"]).cords(&back, ["P1"]))
+}
+
+fn solved(builder: PatchBuilder, element: &str) -> f64 {
+    voltage(&ran(&built(builder), 1e-3, 0.0), element)
+}
+
+#[test]
+fn a_summer_halved_by_its_own_output_stands_at_two_thirds() {
+    let program = common::program(&patch("summer-loop"), &[]);
+    let machine = ran(&program, 1e-3, 0.01);
+    assert!((voltage(&machine, "S1") + 2.0 / 3.0).abs() < 1e-14);
+    assert_eq!(program.loops().len(), 1);
+}
+
+proptest! {
+    #![proptest_config(common::random_cases(64))]
+
+    #[test]
+    fn any_negative_feedback_agrees_with_the_formula(
+        u in -100.0..100.0f64, gain_in in 1..20u32, gain_back in 1..20u32, setting in 0.0..1.0f64,
+    ) {
+        let asked = -f64::from(gain_in) * u / (1.0 + f64::from(gain_back) * setting);
+        let found = solved(fed_back(u, gain_in, gain_back, setting), "S1");
+        // Beyond 100 V the amplifier stops, and is not moved by its own feedback.
+        prop_assert!((found - asked.clamp(-100.0, 100.0)).abs() < 1e-11, "{found} {asked}");
+    }
+
+    #[test]
+    fn positive_feedback_below_one_agrees_with_the_formula(u in -50.0..50.0f64, setting in 0.0..0.98f64) {
+        // Inverted once more, the loop's gain is + setting: out = -u + setting out.
+        let builder = source(volts("positive"), "u", u)
+            .element("P1", element("pot").cord("in", "S2").set("setting", setting))
+            .element("S2", element("summer").cords("x1", ["S1"]))
+            .element("S1", element("summer").cords("x1", ["u", "P1"]));
+        let asked = (-u / (1.0 - setting)).clamp(-100.0, 100.0);
+        let found = solved(builder, "S1");
+        prop_assert!((found - asked).abs() < 1e-10, "{found} {asked}");
+    }
+
+    #[test]
+    fn a_loop_through_diodes_and_limits_agrees_with_bisection(
+        u in -40.0..40.0f64, setting in 0.05..0.9f64, level in 1.0..60.0f64, slope in 0.0..1.0f64,
+    ) {
+        // Falling in its own output all the way, so that there is one solution.
+        let result = |out: f64| {
+            let limited = -(u + 2.0 * setting * out);
+            let soft = limited.min(level) + slope * (limited - limited.min(level));
+            let soft = soft.clamp(-100.0, 100.0);
+            let upper = soft.max(0.3 * soft);
+            (upper - 0.5 * out).clamp(-100.0, 100.0) - out
+        };
+        let found = solved(diodes_and_limits(u, setting, level, slope), "S3");
+        let expected = root(result, -100.0 - 1e-9, 100.0 + 1e-9);
+        prop_assert!((found - expected).abs() < 1e-8, "{found} {expected}");
+    }
+}
+
+fn diodes_and_limits(u: f64, setting: f64, level: f64, slope: f64) -> PatchBuilder {
+    let limit = serde_json::json!({"upper": level, "slope": slope});
+    source(volts("diodes"), "u", u)
+        .element("P1", element("pot").cord("in", "S3").set("setting", setting))
+        .element("S1", element("summer").cords("x1", ["u"]).cords("x2", ["P1"]).set("limit", limit))
+        .element("P2", element("pot").cord("in", "S1").set("setting", 0.3))
+        .element("U1", element("diode-upper-of").set("in", serde_json::json!(["S1", "P2"])))
+        .element("S2", element("summer").cords("x1", ["U1"]))
+        .element("S3", element("summer").cords("x1", ["S2"]).cords("x0.5", ["S3"]))
+}
+
+/// A loop of positive gain 2 about 0 V: it latches up at either limit, or balances between them.
+fn latch() -> Patch {
+    let builder = volts("latch")
+        .element("S2", element("summer").cords("x2", ["S1"]))
+        .element("S1", element("summer").cords("x1", ["S2"]));
+    builder.build().unwrap()
+}
+
+#[test]
+fn positive_gain_above_one_is_refused_with_its_three_solutions() {
+    let report = Program::new(&circuit(&latch(), &[])).unwrap_err().to_string();
+    assert!(report.contains("loop-with-solutions"), "{report}");
+    assert!(report.contains("S1") && report.contains("S2"), "{report}");
+    assert!(report.contains("3 solutions"), "{report}");
+    for solution in ["at -", "0.000000 V", "100.000000 V"] {
+        assert!(report.contains(solution), "{solution} in {report}");
+    }
+}
+
+#[test]
+fn an_integrator_fed_by_a_loop_runs_as_the_loop_solved_by_hand() {
+    // x' = -S1, S1 = -(x + S1 / 2): x' = 2/3 x with the sign of the summer, so it is fed through an inverter.
+    let machine_of = common::program(&patch("loop-lag"), &[]);
+    let machine = ran(&machine_of, 1e-3, 1.0);
+    let expected = 80.0 * (-2.0f64 / 3.0).exp();
+    // RK4: (lambda h)^4 t / 120 of the value, under 1e-13; the rest is rounding.
+    assert!((voltage(&machine, "A1") - expected).abs() < 1e-11, "{}", voltage(&machine, "A1") - expected);
+}
+
+#[test]
+fn derivatives_go_through_loops() {
+    check_derivatives(&common::program(&patch("loop-lag"), &[]), 1e-3, &[0.3, 0.9]);
+    check_derivatives(&common::program(&patch("loop-lag"), &[("back", 0.123)]), 1e-3, &[0.5]);
+}

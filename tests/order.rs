@@ -1,0 +1,150 @@
+//! The order of convergence: 4 on smooth patches, and 4 where smooth stretches are joined by located changes.
+
+mod common;
+
+use std::f64::consts::TAU;
+
+use common::{built, element, order, ran, root, voltage, volts};
+use patchcord::program::Program;
+
+const STEPS: [f64; 5] = [0.05, 0.025, 0.0125, 0.00625, 0.003125];
+/// Not multiples of any step: the run up to each ends with a part of one.
+const INSTANTS: [f64; 5] = [1.01, 1.93, 2.81, 3.47, 4.39];
+
+/// The largest errors of an element's voltage over the instants, down the ladder of steps.
+fn errors(program: &Program, name: &str, expected: impl Fn(f64) -> f64) -> [f64; 5] {
+    let error = |step: f64, time: f64| (voltage(&ran(program, step, time), name) - expected(time)).abs();
+    STEPS.map(|step| INSTANTS.iter().map(|time| error(step, *time)).fold(0.0, f64::max))
+}
+
+fn assert_order_4(program: &Program, name: &str, expected: impl Fn(f64) -> f64) {
+    let found = errors(program, name, expected);
+    let reached = order(&STEPS, &found);
+    assert!((3.9..=4.1).contains(&reached), "order {reached} of {name} from {found:?}");
+}
+
+/// x'' = -4 x - 0.4 x', released from 50 V.
+#[test]
+fn damped_oscillator() {
+    let builder = volts("damped oscillator")
+        .element("A1", element("integrator").cords("x4", ["A2"]).cords("x0.4", ["A1"]))
+        .element("S1", element("summer").cords("x1", ["A1"]))
+        .element("A2", element("integrator").cords("x1", ["S1"]).set("initial", 50));
+    let omega = (4.0f64 - 0.04).sqrt();
+    assert_order_4(&built(builder), "A2", |time| {
+        let (sine, cosine) = (omega * time).sin_cos();
+        50.0 * (-0.2 * time).exp() * (cosine + 0.2 / omega * sine)
+    });
+}
+
+/// Four equal lags in a row, the first at 50 V: 50 t^3 / 3! e^-t at the last, inverted three times.
+#[test]
+fn chain_of_lags() {
+    let lag = |from: [&str; 1], own: &str| element("integrator").cords("x1", [from[0], own]);
+    let builder = volts("chain")
+        .element("A1", element("integrator").cords("x1", ["A1"]).set("initial", 50))
+        .element("A2", lag(["A1"], "A2"))
+        .element("A3", lag(["A2"], "A3"))
+        .element("A4", lag(["A3"], "A4"));
+    assert_order_4(&built(builder), "A4", |time| -50.0 * time.powi(3) / 6.0 * (-time).exp());
+}
+
+/// x' = -x - 40 sin(2 pi t / 3).
+#[test]
+fn lag_driven_by_a_sine() {
+    let sine = element("sine").set("amplitude", 40).set("frequency", "1 / 3");
+    let builder = volts("driven lag")
+        .drive("u", "volt", sine)
+        .element("A1", element("integrator").cords("x1", ["A1", "u"]));
+    let omega = TAU / 3.0;
+    assert_order_4(&built(builder), "A1", |time| {
+        let (sine, cosine) = (omega * time).sin_cos();
+        -40.0 / (1.0 + omega * omega) * (sine - omega * cosine + omega * (-time).exp())
+    });
+}
+
+/// A ball falling through drag that follows its velocity: v' = -g - c v, h' = v, bounces e.
+struct DraggedBall {
+    gravity: f64,
+    drag: f64,
+    restitution: f64,
+}
+
+impl DraggedBall {
+    fn flight(&self, velocity: f64, height: f64, time: f64) -> (f64, f64) {
+        let (last, gone) = (-self.gravity / self.drag, (-self.drag * time).exp());
+        let speed = last + (velocity - last) * gone;
+        (speed, height + last * time + (velocity - last) * (1.0 - gone) / self.drag)
+    }
+
+    fn at(&self, height: f64, until: f64) -> (f64, f64) {
+        let (mut velocity, mut height, mut left) = (0.0, height, until);
+        loop {
+            let apex = (1.0 + velocity * self.drag / self.gravity).ln() / self.drag;
+            let (_, top) = self.flight(velocity, height, apex);
+            let longest = apex + (2.0 * top / self.gravity).sqrt() * 2.0;
+            let contact = root(|time| self.flight(velocity, height, time).1, apex, longest);
+            if contact >= left {
+                return self.flight(velocity, height, left);
+            }
+            velocity = -self.restitution * self.flight(velocity, height, contact).0;
+            (height, left) = (0.0, left - contact);
+        }
+    }
+}
+
+#[test]
+fn bounces_joined_by_flight_with_drag() {
+    let builder = volts("dragged ball")
+        .element("PG", element("pot").cord("in", "+100").set("setting", 0.5))
+        .element(
+            "A1",
+            element("integrator").cords("x1", ["PG", "A1"]).set("gap", "B1").set("restitution", 0.9),
+        )
+        .element("A2", element("integrator").cords("x1", ["A1"]).set("initial", -30))
+        .element("B1", element("summer").cords("x1", ["A2"]));
+    let ball = DraggedBall { gravity: 50.0, drag: 1.0, restitution: 0.9 };
+    assert_order_4(&built(builder), "B1", |time| ball.at(30.0, time).1);
+}
+
+/// A relay that drives a lag: exponentials towards +-U between the thresholds +-a, half a period
+/// ln((U + a) / (U - a)).
+#[test]
+fn relay_switching_joined_by_exponentials() {
+    let builder = volts("relay and lag")
+        .element("P1", element("pot").cord("in", "+100").set("setting", 0.5))
+        .element("P2", element("pot").cord("in", "-100").set("setting", 0.5))
+        .element(
+            "K1",
+            element("relay")
+                .cord("in", "A1")
+                .cord("on", "P1")
+                .cord("off", "P2")
+                .set("pull_in", 30)
+                .set("drop_out", -30),
+        )
+        .element("A1", element("integrator").cords("x1", ["K1", "A1"]));
+    let (half, first) = ((80.0f64 / 20.0).ln(), (50.0f64 / 20.0).ln());
+    assert_order_4(&built(builder), "A1", |time| {
+        let halves = ((time - first) / half).floor();
+        let sign = if halves.rem_euclid(2.0) == 0.0 { -1.0 } else { 1.0 };
+        sign * (50.0 - 80.0 * (-(time - first - halves * half)).exp())
+    });
+}
+
+/// A block on a spring under Coulomb friction: half swings about +-F/k, each smaller by 2 F/k, then at rest.
+#[test]
+fn half_swings_joined_by_a_brake() {
+    let builder = volts("block")
+        .element("PF", element("pot").cord("in", "+100").set("setting", 0.05))
+        .element("A1", element("integrator").cords("x4", ["A2"]).cords("brake_x4", ["PF"]))
+        .element("S1", element("summer").cords("x1", ["A1"]))
+        .element("A2", element("integrator").cords("x1", ["S1"]).set("initial", 42));
+    // Turning points 42, -32, 22, -12.
+    assert_order_4(&built(builder), "A2", |time| {
+        let halves = (time / (TAU / 4.0)).floor();
+        let sign = if halves.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
+        let swing = 37.0 - 10.0 * halves;
+        sign * (5.0 + swing * (2.0 * time - halves * TAU / 2.0).cos())
+    });
+}
