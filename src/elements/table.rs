@@ -18,6 +18,7 @@ pub(super) static KIND: Kind = Kind {
 fn output_law(lowering: &mut Lowering<'_>) -> Register {
     let time = lowering.time();
     let value = lowering.table("points", time);
+    lowering.corners("points");
     let volts = lowering.volts_per_signal();
     lowering.multiply(volts, value)
 }

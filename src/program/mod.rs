@@ -39,6 +39,8 @@ pub struct Program {
     pub(crate) modes: Vec<Mode>,
     pub(crate) delays: Vec<Delay>,
     pub(crate) tables: Vec<Vec<[f64; 2]>>,
+    /// Problem times, rising, at which tables have corners: no step reaches across one.
+    pub(crate) corners: Vec<f64>,
     pub(crate) loops: Vec<Loop>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) signals: Vec<Probe>,

@@ -176,6 +176,15 @@ impl Lowering<'_> {
         self.emit(Op::Table(self.program.tables.len() as u32 - 1, at))
     }
 
+    /// The points of a setting have their corners in time: the solver stops there.
+    pub fn corners(&mut self, name: &str) {
+        if let Some(Amount::Points(points)) = self.amount(name) {
+            let corners = &mut self.program.corners;
+            corners.extend(points.iter().map(|point| point[0]));
+            corners.sort_by(f64::total_cmp);
+        }
+    }
+
     /// Volts per unit of a drive's scale, for values that are not formulas.
     pub fn volts_per_signal(&mut self) -> Register {
         let element = self.circuit.element(self.current);

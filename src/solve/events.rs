@@ -22,7 +22,7 @@ impl Machine<'_> {
             let share = if self.any_fires_ahead() { self.first_change(length) } else { 1.0 };
             let time = if share >= 1.0 { end } else { self.time + share * length };
             self.accept(time, witness)?;
-            self.hear_echoes();
+            self.meet_breaks();
             changes += self.settle(changes)?;
             witness.arrival(self);
             if self.time >= target {

@@ -27,6 +27,9 @@ pub struct Work {
     pub changes: u64,
 }
 
+/// Share of a step within which instants are the same.
+const SAME: f64 = 1e-9;
+
 /// States smaller than this, in volts, are 0: processors are slow on the smallest numbers.
 const SMALLEST: f64 = 1e-100;
 
@@ -430,13 +433,30 @@ impl<'p> Machine<'p> {
         }
     }
 
-    /// The end of a stretch on the way to a time: no stretch goes across an echo.
+    /// The end of a stretch on the way to a time: no stretch goes across an echo or the corner of a table.
     pub(super) fn end_of_stretch(&self, target: f64) -> f64 {
-        self.lines.iter().filter_map(|line| line.echo_before(target)).fold(target, f64::min)
+        let corner = self.next_corner().filter(|corner| *corner < target - SAME * self.step);
+        let echoes = self.lines.iter().filter_map(|line| line.echo_before(target));
+        echoes.chain(corner).fold(target, f64::min)
     }
 
-    /// Takes in the echoes that come out of delay lines now.
-    pub(super) fn hear_echoes(&mut self) {
+    fn next_corner(&self) -> Option<f64> {
+        let corners = &self.program.corners;
+        let next = corners.partition_point(|corner| *corner <= self.time + SAME * self.step);
+        corners.get(next).copied()
+    }
+
+    fn is_at_corner(&self) -> bool {
+        let corners = &self.program.corners;
+        let next = corners.partition_point(|corner| *corner < self.time - SAME * self.step);
+        corners.get(next).is_some_and(|corner| *corner <= self.time + SAME * self.step)
+    }
+
+    /// Takes note of what breaks here: corners of tables, and the echoes that come out of delay lines.
+    pub(super) fn meet_breaks(&mut self) {
+        if self.is_at_corner() {
+            self.remember_break(0);
+        }
         let heard = self.lines.iter_mut().filter_map(|line| line.echoes_by(self.time)).min();
         if let Some(echoes) = heard {
             self.evaluate();
