@@ -27,7 +27,7 @@ pub(super) static KIND: Kind = Kind {
             measure: Measure::MachineSeconds,
             default: Default::Required,
             range: (1e-9, 1e6),
-            description: "time between in and out; at least one step of the run",
+            description: "time between in and out; at least one step of the run, four for its full accuracy",
         },
         Setting {
             name: "initial",
