@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{check_derivatives, check_derivatives_but, patch, program, ran, voltage};
+use common::{built, check_derivatives, check_derivatives_but, element, patch, program, ran, voltage, volts};
 
 const G: f64 = 9.81;
 const H0: f64 = 1.0;
@@ -96,6 +96,24 @@ fn many_bounces_in_one_step_are_all_met() {
     let (height, velocity) = ball(0.8, 0.01, 3.0);
     assert!((voltage(&machine, "B1") * HEIGHT - height).abs() < NEAR);
     assert!((voltage(&machine, "A1") * VELOCITY - velocity).abs() < NEAR * 10.0);
+}
+
+/// Gravity that turns round: it lies on the floor, and is lifted off again by 5 V/s of growing pull.
+#[test]
+fn what_rests_is_released_when_its_pull_turns() {
+    let builder = volts("lifted")
+        .drive("pull", "volt", element("ramp").set("start", -10).set("rate", 5))
+        .element("S1", element("summer").cords("x1", ["pull"]))
+        .element("A1", element("integrator").cords("x1", ["S1"]).set("gap", "B1"))
+        .element("A2", element("integrator").cords("x1", ["A1"]))
+        .element("B1", element("summer").cords("x1", ["A2"]));
+    let program = built(builder);
+    for step in [1e-2, 0.3] {
+        assert!(voltage(&ran(&program, step, 1.9), "B1").abs() < 1e-9);
+        let lifted = ran(&program, step, 4.0);
+        assert!((voltage(&lifted, "A1") - 10.0).abs() < NEAR, "{}", voltage(&lifted, "A1") - 10.0);
+        assert!((voltage(&lifted, "B1") - 5.0 / 6.0 * 8.0).abs() < NEAR);
+    }
 }
 
 #[test]

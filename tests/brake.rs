@@ -2,7 +2,11 @@
 
 mod common;
 
-use common::{check_derivatives, check_derivatives_but, patch, program, ran, root, voltage};
+use common::{
+    built, check_derivatives, check_derivatives_but, element, patch, program, ran, root, source, voltage,
+    volts,
+};
+use patchcord::program::Program;
 
 const K: f64 = 200.0;
 const FS: f64 = 10.0;
@@ -151,6 +155,28 @@ fn below_the_level_nothing_moves_at_all() {
     let program = program(&patch("stick-slip-brake"), &[]);
     let machine = ran(&program, 1e-3, 0.999);
     assert!(machine.states().iter().all(|volts| *volts == 0.0));
+}
+
+/// A mass under a constant force and a brake of the same level.
+fn balanced(initial: f64, force: f64) -> Program {
+    let builder = source(source(volts("balanced"), "force", -force), "level", 7.0);
+    let mass = element("integrator").cords("x1", ["force"]).cords("brake_x1", ["level"]);
+    built(builder.element("A1", mass.set("initial", initial)))
+}
+
+#[test]
+fn exactly_at_its_level_a_brake_holds_and_just_above_it_lets_go() {
+    assert_eq!(voltage(&ran(&balanced(0.0, 7.0), 1e-2, 3.0), "A1"), 0.0);
+    assert_eq!(voltage(&ran(&balanced(0.0, -7.0), 1e-2, 3.0), "A1"), 0.0);
+    let released = voltage(&ran(&balanced(0.0, 7.0 + 1e-9), 1e-2, 3.0), "A1");
+    assert!((released - 3e-9).abs() < 1e-13, "{released}");
+    // Driven along at the level, what moves keeps moving; driven against, it is stopped after 20 V / 14 V/s.
+    assert!((voltage(&ran(&balanced(20.0, 7.0), 1e-2, 3.0), "A1") - 20.0).abs() < 1e-12);
+    assert!((voltage(&ran(&balanced(20.0, -7.0), 1e-2, 1.0), "A1") - 6.0).abs() < 1e-12);
+    assert_eq!(voltage(&ran(&balanced(20.0, -7.0), 1e-2, 3.0), "A1"), 0.0);
+    // A force that overcomes the brake turns it round without a rest: -3 V/s after 20 V / 17 V/s.
+    let turned = voltage(&ran(&balanced(20.0, -10.0), 1.0, 3.0), "A1");
+    assert!((turned + 3.0 * (3.0 - 20.0 / 17.0)).abs() < 1e-11, "{turned}");
 }
 
 #[test]

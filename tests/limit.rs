@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::{check_derivatives, check_derivatives_but, patch, program, ran, voltage};
+use std::f64::consts::TAU;
+
+use common::{built, check_derivatives, check_derivatives_but, element, patch, program, ran, voltage, volts};
 
 #[test]
 fn it_stops_at_minus_100_volts_and_comes_back_at_once() {
@@ -44,6 +46,24 @@ fn the_lamp_tells_when_it_came_to_the_limit() {
                 overloads[0].time - expected
             );
         }
+    }
+}
+
+/// A cosine into an integrator: at its limit until the cosine turns, and back along the sine.
+#[test]
+fn an_integrator_leaves_its_limit_when_a_smooth_input_turns() {
+    let frequency = 0.05;
+    let cosine = element("sine").set("amplitude", -40).set("frequency", frequency).set("phase", TAU / 4.0);
+    let program = built(
+        volts("cosine").drive("u", "volt", cosine).element("A1", element("integrator").cords("x1", ["u"])),
+    );
+    let omega = TAU * frequency;
+    let swing = 40.0 / omega;
+    for step in [1e-2, 1e-3] {
+        assert_eq!(voltage(&ran(&program, step, 4.99), "A1"), 100.0);
+        let back = voltage(&ran(&program, step, 8.0), "A1");
+        let expected = 100.0 - swing * (1.0 - (omega * 8.0).sin());
+        assert!((back - expected).abs() < 1e-9, "{step} {:e}", back - expected);
     }
 }
 

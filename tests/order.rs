@@ -63,6 +63,22 @@ fn lag_driven_by_a_sine() {
     });
 }
 
+/// x' = -x - u, u the straight lines of a table whose corners fall on no step.
+#[test]
+fn lag_driven_by_a_table() {
+    let points = serde_json::json!([[0.313, 0], [1.271, 30], [1.277, -30]]);
+    let builder = volts("driven lag")
+        .drive("u", "volt", element("table").set("points", points))
+        .element("A1", element("integrator").cords("x1", ["A1", "u"]).set("initial", 50));
+    assert_order_4(&built(builder), "A1", |time| {
+        // The answer to a ramp of slope 1 that begins at t = 0 is t - 1 + exp(-t).
+        let ramp = |since: f64| if since > 0.0 { since - 1.0 + (-since).exp() } else { 0.0 };
+        let (up, down) = (30.0 / (1.271 - 0.313), -60.0 / (1.277 - 1.271));
+        let answer = up * ramp(time - 0.313) + (down - up) * ramp(time - 1.271) - down * ramp(time - 1.277);
+        50.0 * (-time).exp() - answer
+    });
+}
+
 /// A ball falling through drag that follows its velocity: v' = -g - c v, h' = v, bounces e.
 struct DraggedBall {
     gravity: f64,

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{check_derivatives, patch, program, ran, voltage};
+use common::{built, check_derivatives, element, patch, program, ran, voltage, volts};
 
 const SLOPE: f64 = 80.0;
 const HIGH: f64 = 20.0;
@@ -66,6 +66,33 @@ fn a_relay_starts_as_its_input_says() {
     assert_eq!(voltage(&machine, "K1"), -10.0, "released at its threshold");
     let low = program(&patch("relay-oscillator"), &[("a_high", 0.0)]);
     assert_eq!(voltage(&ran(&low, 1e-2, 0.0), "K1"), 10.0, "its input starts at the threshold");
+}
+
+#[test]
+fn relays_that_switch_at_the_same_instant_do_not_disturb_each_other() {
+    let relay = |own: &str| {
+        element("relay")
+            .cord("in", own)
+            .cord("on", "P1")
+            .cord("off", "P2")
+            .set("pull_in", 20)
+            .set("drop_out", -20)
+    };
+    let mut builder = volts("twins")
+        .element("P1", element("pot").cord("in", "+100").set("setting", 0.13))
+        .element("P2", element("pot").cord("in", "-100").set("setting", 0.13));
+    for (integrator, switch) in [("A1", "K1"), ("A2", "K2"), ("A3", "K3")] {
+        builder = builder
+            .element(switch, relay(integrator))
+            .element(integrator, element("integrator").cords("x1", [switch]));
+    }
+    let program = built(builder);
+    let mut machine = ran(&program, 0.1, 0.0);
+    for _ in 0..200 {
+        machine.operate(0.77).unwrap();
+        let states = machine.states();
+        assert!(states.iter().all(|volts| *volts == states[0]), "{states:?}");
+    }
 }
 
 #[test]
