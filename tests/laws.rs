@@ -359,6 +359,13 @@ fn lamps_latch_and_tell_causes_from_consequences() {
 }
 
 #[test]
+fn a_jump_lights_its_lamp_when_it_jumps() {
+    let late = built(volts("jump").drive("u", "volt", element("step").set("height", 130).set("at", 0.55)));
+    let told = ran(&late, 0.2, 2.0).overloads();
+    assert!((told[0].time - 0.55).abs() < 1e-12 && told[0].peak == 130.0, "{told:?}");
+}
+
+#[test]
 fn hold_on_overload_stops_where_the_lamp_lit() {
     let patch = chain().build().unwrap();
     let trace = trace(&patch, |settings| RunSettings {

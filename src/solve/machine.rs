@@ -518,10 +518,14 @@ fn light(lamp: &mut Option<Lit>, element: usize, time: f64, asked: f64) {
     lit.peak = lit.peak.max(asked);
 }
 
-/// When a demand passed the level on the straight line between the ends of a stretch.
+/// When a demand passed the level: at the beginning of a stretch where it jumped there, else on the straight
+/// line between its ends.
 fn lit_at(begin: f64, before: f64, end: f64, after: f64) -> f64 {
+    if before > LAMP_LEVEL {
+        return begin;
+    }
     let share = (LAMP_LEVEL - before) / (after - before);
-    if share > 0.0 && share < 1.0 { begin + share * (end - begin) } else { end }
+    if share < 1.0 { begin + share * (end - begin) } else { end }
 }
 
 fn delay_lines(program: &Program, coefficients: &[f64], step: f64) -> Vec<DelayLine> {
