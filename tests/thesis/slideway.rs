@@ -103,11 +103,21 @@ impl Slideway {
         let mut velocities = vec![state[1]];
         for row in 0..rows {
             for index in 0..steps {
-                state = self.stepped(state, (row * steps + index) as f64 * step, step);
+                state = self.stepped_to_turn(state, (row * steps + index) as f64 * step, step);
             }
             velocities.push(state[1]);
         }
         velocities
+    }
+
+    /// A step, in two parts where the command turns inside it.
+    fn stepped_to_turn(&self, state: State, time: f64, step: f64) -> State {
+        let before = self.v_turn - time;
+        if before <= 0.0 || before >= step {
+            return self.stepped(state, time, step);
+        }
+        let turning = self.stepped(state, time, before);
+        self.stepped(turning, self.v_turn, step - before)
     }
 
     fn stepped(&self, state: State, time: f64, step: f64) -> State {
