@@ -104,7 +104,7 @@ fn what_rests_is_released_when_its_pull_turns() {
     let builder = volts("lifted")
         .drive("pull", "volt", element("ramp").set("start", -10).set("rate", 5))
         .element("S1", element("summer").cords("x1", ["pull"]))
-        .element("A1", element("integrator").cords("x1", ["S1"]).set("gap", "B1"))
+        .element("A1", element("integrator").cords("x1", ["S1"]).cords("gap", ["B1"]))
         .element("A2", element("integrator").cords("x1", ["A1"]))
         .element("B1", element("summer").cords("x1", ["A2"]));
     let program = built(builder);

@@ -115,7 +115,7 @@ fn bounces_joined_by_flight_with_drag() {
         .element("PG", element("pot").cord("in", "+100").set("setting", 0.5))
         .element(
             "A1",
-            element("integrator").cords("x1", ["PG", "A1"]).set("gap", "B1").set("restitution", 0.9),
+            element("integrator").cords("x1", ["PG", "A1"]).cords("gap", ["B1"]).set("restitution", 0.9),
         )
         .element("A2", element("integrator").cords("x1", ["A1"]).set("initial", -30))
         .element("B1", element("summer").cords("x1", ["A2"]));

@@ -218,7 +218,8 @@ fn readings_table(circuit: &Circuit, trace: &Trace) -> String {
 fn work_told(trace: &Trace) -> String {
     let steps: u64 = trace.sweeps.iter().map(|sweep| sweep.work.steps).sum();
     let changes: u64 = trace.sweeps.iter().map(|sweep| sweep.work.changes).sum();
-    format!("{steps} steps, {changes} changes of mode\n")
+    let plural = if changes == 1 { "" } else { "s" };
+    format!("{steps} steps, {changes} change{plural} of mode\n")
 }
 
 fn overloads_told(trace: &Trace) -> String {
