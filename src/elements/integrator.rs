@@ -3,11 +3,10 @@
 use crate::machines::{Part, REFERENCE};
 use crate::program::{Guard, Lowering, Register, Transition};
 
-use super::{Default, Family, Input, Jacks, Kind, Measure, Output, Setting, Takes};
+use super::{Input, Jacks, Kind, Measure, Output, Setting, Takes};
 
 pub(super) static KIND: Kind = Kind {
     name: "integrator",
-    family: Family::Computing,
     summary: "integrating amplifier: integrates its inputs over machine time, each times its gain, and inverts",
     law: "d out / dt = -(sum of gain x input); with a brake: at out = 0 and |sum| <= brake it stands still, \
           otherwise brake x sign(out) is subtracted from d out / dt; with a gap: when the lowest gap closes \
@@ -17,52 +16,27 @@ pub(super) static KIND: Kind = Kind {
     source: "thesis 8.1; brake: Coulomb friction as a force that knows the net force",
     symbol: "integrator",
     inputs: &[
-        Input {
-            name: "x",
-            jacks: Jacks::Gains,
-            required: true,
-            direct: false,
-            description: "summing inputs, the gain per machine second in the name",
-        },
-        Input {
-            name: "brake_x",
-            jacks: Jacks::Gains,
-            required: false,
-            direct: false,
-            description: "brake level (>= 0), the gain per machine second in the name; levels add",
-        },
-        Input {
-            name: "gap",
-            jacks: Jacks::Any,
-            required: false,
-            direct: false,
-            description: "distance to a stop that throws the output back when it falls to 0",
-        },
+        Input::gains("x", "summing inputs, the gain per machine second in the name").remembered(),
+        Input::gains("brake_x", "brake level (>= 0), the gain per machine second in the name; levels add")
+            .remembered()
+            .open(),
+        Input::jack("gap", "distance to a stop that throws the output back when it falls to 0")
+            .jacks(Jacks::Any)
+            .remembered()
+            .open(),
     ],
     settings: &[
-        Setting {
-            name: "initial",
-            measure: Measure::Volts,
-            default: Default::Number(0.0),
-            range: (-REFERENCE, REFERENCE),
-            description: "output in initial condition",
-        },
-        Setting {
-            name: "restitution",
-            measure: Measure::Ratio,
-            default: Default::Number(1.0),
-            range: (0.0, 1.0),
-            description: "share of the output that a stop throws back",
-        },
-        Setting {
-            name: "rest",
-            measure: Measure::Volts,
-            default: Default::Number(1e-3),
-            range: (0.0, REFERENCE),
-            description: "output thrown back below which it comes to rest against the stop",
-        },
+        Setting::preset("initial", Measure::Volts, 0.0, "output in initial condition"),
+        Setting::preset("restitution", Measure::Ratio, 1.0, "share of the output that a stop throws back")
+            .within(0.0, 1.0),
+        Setting::preset(
+            "rest",
+            Measure::Volts,
+            1e-3,
+            "output thrown back below which it comes to rest against the stop",
+        )
+        .within(0.0, REFERENCE),
     ],
-    ordered: &[],
     parts: &[
         Takes::always(Part::Integrator, 1),
         Takes::with("brake_x", Part::Brake, 1),
@@ -71,6 +45,7 @@ pub(super) static KIND: Kind = Kind {
     output: Output::Integrator,
     output_law,
     memory_law: Some(memory_law),
+    ..Kind::NETWORK
 };
 
 fn output_law(lowering: &mut Lowering<'_>) -> Register {
