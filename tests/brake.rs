@@ -185,3 +185,35 @@ fn derivatives_agree_stuck_and_sliding() {
     check_derivatives(&program, 1e-3, &[1.2, 2.6]);
     check_derivatives_but(&program, 1e-3, &[0.5, 1.9], &["A1"]);
 }
+
+/// A mass under a brake of 5 V/s that slides at 20 V towards a stop 10 V away, and comes back with 0.8 of it.
+fn braked_bounce() -> Program {
+    let builder = source(source(volts("braked bounce"), "level", 5.0), "room", 10.0);
+    let mass = element("integrator").cords("brake_x1", ["level"]).cords("x1", ["ground"]).cords("gap", ["G"]);
+    let builder = builder.element("A1", mass.set("initial", 20).set("restitution", 0.8));
+    let builder = builder.element("A2", element("integrator").cords("x1", ["A1"]));
+    let builder = builder.element("S", element("summer").cords("x1", ["A2", "room"]));
+    built(builder.element("G", element("summer").cords("x1", ["S"])))
+}
+
+#[test]
+fn a_brake_lets_what_it_slows_bounce() {
+    // Slowed by 5 V/s it hits at sqrt(300) V, comes back at 0.8 of that, and is slowed on its way back.
+    let program = braked_bounce();
+    let hit = (20.0 - 300f64.sqrt()) / 5.0;
+    for step in [1e-3, 0.3] {
+        let velocity = voltage(&ran(&program, step, 1.0), "A1");
+        let wanted = -(0.8 * 300f64.sqrt() - 5.0 * (1.0 - hit));
+        assert!((velocity - wanted).abs() < 1e-9, "{step} {velocity} {wanted}");
+    }
+}
+
+#[test]
+fn a_hand_may_turn_round_what_slides() {
+    let program = braked_bounce();
+    let mut machine = ran(&program, 1e-2, 0.2);
+    machine.set_state("A1", -10.0).unwrap();
+    assert_eq!(voltage(&machine, "A1"), -10.0);
+    machine.operate(0.5).unwrap();
+    assert!((voltage(&machine, "A1") + 7.5).abs() < 1e-9, "{}", voltage(&machine, "A1"));
+}

@@ -73,3 +73,17 @@ fn derivatives_agree_inside_at_the_limit_and_on_the_way_back() {
     check_derivatives(&program, 1e-2, &[5.0, 25.0]);
     check_derivatives_but(&program, 1e-2, &[15.0], &["A1"]);
 }
+
+#[test]
+fn a_weak_push_lights_the_lamp_whatever_the_step() {
+    // 1 V in holds the integrator at -100 V from 0.1 s on.
+    let builder = volts("weak push").drive("u", "volt", element("step").set("height", 1));
+    let program =
+        built(builder.element("A1", element("integrator").cords("x1", ["u"]).set("initial", -99.9)));
+    for step in [2e-5, 1e-3, 0.03] {
+        let overloads = ran(&program, step, 2.0).overloads();
+        assert_eq!(overloads.len(), 1, "{step}");
+        assert!((overloads[0].time - 0.1).abs() <= step + 2e-4, "{step} {overloads:?}");
+        assert!((overloads[0].peak - 101.9).abs() < 1e-6, "{step} {overloads:?}");
+    }
+}

@@ -3,6 +3,7 @@
 mod common;
 
 use common::{built, check_derivatives, circuit, element, patch, ran, root, source, voltage, volts};
+use patchcord::circuit::Circuit;
 use patchcord::patch::{Patch, PatchBuilder};
 use patchcord::program::Program;
 use proptest::prelude::*;
@@ -114,4 +115,26 @@ fn an_integrator_fed_by_a_loop_runs_as_the_loop_solved_by_hand() {
 fn derivatives_go_through_loops() {
     check_derivatives(&common::program(&patch("loop-lag"), &[]), 1e-3, &[0.3, 0.9]);
     check_derivatives(&common::program(&patch("loop-lag"), &[("back", 0.123)]), 1e-3, &[0.5]);
+}
+
+#[test]
+fn a_loop_of_too_many_pieces_is_refused_in_time() {
+    // Every stage folds the voltage once more: 22 of them make four million straight pieces.
+    let stages = 22;
+    let builder = (0..stages).fold(volts("folded"), |builder, index| {
+        let from = if index == 0 { format!("S{stages}") } else { format!("F{index}") };
+        let (inverted, folded) = (format!("I{index}"), format!("U{index}"));
+        let builder = builder.element(&inverted, element("summer").cords("x1", [from.as_str()]));
+        let pair = serde_json::json!([from, inverted]);
+        let builder = builder.element(&folded, element("diode-lower-of").set("in", pair));
+        builder.element(
+            &format!("F{}", index + 1),
+            element("summer").set("in", serde_json::json!({ "x2": [folded], "x1": ["+100"] })),
+        )
+    });
+    let last = format!("F{stages}");
+    let builder = builder.element(&format!("S{stages}"), element("summer").cords("x1", [last.as_str()]));
+    let patch = builder.build().unwrap();
+    let report = Program::new(&Circuit::new(&patch, &[]).unwrap()).unwrap_err();
+    assert_eq!(report.findings[0].code.as_str(), "loop-too-tangled", "{report}");
 }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{built, check_derivatives, element, patch, program, ran, voltage, volts};
+use common::{built, check_derivatives, element, patch, program, ran, source, voltage, volts};
 
 const SLOPE: f64 = 80.0;
 const HIGH: f64 = 20.0;
@@ -98,4 +98,26 @@ fn relays_that_switch_at_the_same_instant_do_not_disturb_each_other() {
 #[test]
 fn derivatives_agree_on_both_flanks() {
     check_derivatives(&program(&patch("relay-oscillator"), &[]), 1e-2, &[0.1, 0.4]);
+}
+
+#[test]
+fn many_relays_that_switch_once_do_not_chatter() {
+    let builder = (0..1500).fold(volts("many"), |builder, index| {
+        builder.drive(&format!("d{index}"), "volt", element("step").set("height", 1).set("at", 0.05))
+    });
+    let program = built(builder);
+    let machine = ran(&program, 0.1, 0.1);
+    assert_eq!(machine.work().changes, 1500);
+    assert_eq!(voltage(&machine, "d1499"), 1.0);
+}
+
+#[test]
+fn a_loop_that_a_relay_opens_at_the_start_is_no_loop() {
+    // Released, the relay would close a latch; its input pulls it in before anything else happens.
+    let builder = source(volts("opened"), "u", 10.0);
+    let builder = builder.element("B1", element("summer").cords("x1", ["K1"]));
+    let builder = builder.element("B2", element("summer").cords("x10", ["B1"]));
+    let relay = element("relay").cord("in", "u").cord("on", "ground").cord("off", "B2");
+    let program = built(builder.element("K1", relay.set("pull_in", 5).set("drop_out", 1)));
+    assert_eq!(voltage(&ran(&program, 1e-2, 0.1), "B2"), 0.0);
 }

@@ -1,7 +1,7 @@
 //! Integrating amplifier, with an optional brake and optional rebound stops.
 
 use crate::machines::{Part, REFERENCE};
-use crate::program::{Guard, Lowering, Register, Transition};
+use crate::program::{Guard, Lowering, ModeHandle, Register, Transition};
 
 use super::{Input, Jacks, Kind, Measure, Output, Setting, Takes};
 
@@ -55,20 +55,20 @@ fn output_law(lowering: &mut Lowering<'_>) -> Register {
 fn memory_law(lowering: &mut Lowering<'_>) {
     let sum = lowering.sum("x");
     let mut rate = lowering.negate(sum);
-    if lowering.is_driven("brake_x") {
-        rate = brake(lowering, rate);
+    let brake_mode = lowering.is_driven("brake_x").then(|| lowering.new_mode(STUCK));
+    if let Some(direction) = brake_mode {
+        rate = brake(lowering, direction, rate);
     }
     if lowering.is_driven("gap") {
-        rate = rebound(lowering, rate);
+        rate = rebound(lowering, brake_mode, rate);
     }
     lowering.set_rate(rate);
 }
 
+/// The brake holds; its other modes are the sign of the output while it slips.
 const STUCK: f64 = 0.0;
 
-/// Modes of a brake: stuck, or the sign of the output while it slips.
-fn brake(lowering: &mut Lowering<'_>, net: Register) -> Register {
-    let direction = lowering.new_mode(STUCK);
+fn brake(lowering: &mut Lowering<'_>, direction: ModeHandle, net: Register) -> Register {
     let level = lowering.sum("brake_x");
     let (zero, out) = (lowering.constant(0.0), lowering.state());
     let level = lowering.maximum(level, zero);
@@ -78,13 +78,14 @@ fn brake(lowering: &mut Lowering<'_>, net: Register) -> Register {
         let excess = lowering.subtract(pull, level);
         let (short, back) = (lowering.negate(excess), lowering.negate(speed));
         let stops = lowering.minimum(back, short);
-        lowering.transition(Transition::new(STUCK, sign, Guard::passed(speed)));
-        lowering.transition(Transition::new(STUCK, sign, Guard::passed(excess)));
-        lowering.transition(Transition::new(sign, STUCK, Guard::reached(stops)).reset(lowering, zero));
+        lowering.transition(direction, Transition::new(STUCK, sign, Guard::passed(speed)));
+        lowering.transition(direction, Transition::new(STUCK, sign, Guard::passed(excess)));
+        let stop = Transition::new(sign, STUCK, Guard::reached(stops)).reset(lowering, zero);
+        lowering.transition(direction, stop);
     }
-    let friction = lowering.multiply(level, direction);
+    let friction = lowering.multiply(level, direction.value);
     let slipping = lowering.subtract(net, friction);
-    let size = lowering.absolute(direction);
+    let size = lowering.absolute(direction.value);
     let half = lowering.constant(0.5);
     lowering.select(size, half, slipping, zero)
 }
@@ -96,7 +97,7 @@ const THROWN: f64 = 1.0;
 /// At rest against the stop.
 const RESTING: f64 = 2.0;
 
-fn rebound(lowering: &mut Lowering<'_>, rate: Register) -> Register {
+fn rebound(lowering: &mut Lowering<'_>, brake: Option<ModeHandle>, rate: Register) -> Register {
     let contact = lowering.new_mode(CLEAR);
     let gaps = lowering.inputs("gap");
     let gap = gaps.iter().copied().reduce(|a, b| lowering.minimum(a, b));
@@ -111,20 +112,26 @@ fn rebound(lowering: &mut Lowering<'_>, rate: Register) -> Register {
         let settles = lowering.minimum(hits, slow);
         let leaves = lowering.negate(pull);
         for from in [CLEAR, sign * THROWN] {
-            lowering.transition(
-                Transition::new(from, sign * RESTING, Guard::passed(settles)).reset(lowering, zero),
-            );
-            lowering.transition(
-                Transition::new(from, sign * THROWN, Guard::passed(hits)).reset(lowering, thrown),
-            );
+            let rests = Transition::new(from, sign * RESTING, Guard::passed(settles)).reset(lowering, zero);
+            lowering.transition(contact, begins_anew(rests, brake));
+            let bounces = Transition::new(from, sign * THROWN, Guard::passed(hits)).reset(lowering, thrown);
+            lowering.transition(contact, begins_anew(bounces, brake));
         }
-        lowering.transition(Transition::new(sign * THROWN, CLEAR, Guard::passed(gap)));
-        lowering.transition(Transition::new(sign * RESTING, CLEAR, Guard::passed(gap)));
-        lowering.transition(Transition::new(sign * RESTING, sign * THROWN, Guard::passed(leaves)));
+        lowering.transition(contact, Transition::new(sign * THROWN, CLEAR, Guard::passed(gap)));
+        lowering.transition(contact, Transition::new(sign * RESTING, CLEAR, Guard::passed(gap)));
+        lowering.transition(contact, Transition::new(sign * RESTING, sign * THROWN, Guard::passed(leaves)));
     }
-    let size = lowering.absolute(contact);
+    let size = lowering.absolute(contact.value);
     let resting = lowering.constant((THROWN + RESTING) / 2.0);
     lowering.select(size, resting, zero, rate)
+}
+
+/// After a blow the brake finds the direction of slip anew.
+fn begins_anew(blow: Transition, brake: Option<ModeHandle>) -> Transition {
+    match brake {
+        Some(direction) => blow.and_sets(direction, STUCK),
+        None => blow,
+    }
 }
 
 fn thrown_back(lowering: &mut Lowering<'_>, out: Register) -> Register {

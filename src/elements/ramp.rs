@@ -41,8 +41,8 @@ const BACK: f64 = 1.0;
 fn turned(lowering: &mut Lowering<'_>, time: Register, turn: Register) -> Register {
     let (since, until) = (lowering.subtract(time, turn), lowering.subtract(turn, time));
     let way = lowering.new_mode(FORTH);
-    lowering.transition(Transition::new(FORTH, BACK, Guard::reached(since)));
-    lowering.transition(Transition::new(BACK, FORTH, Guard::passed(until)));
+    lowering.transition(way, Transition::new(FORTH, BACK, Guard::reached(since)));
+    lowering.transition(way, Transition::new(BACK, FORTH, Guard::passed(until)));
     let (back, half) = (lowering.add(turn, until), lowering.constant(0.5));
-    lowering.select(way, half, back, time)
+    lowering.select(way.value, half, back, time)
 }

@@ -42,14 +42,14 @@ fn output_law(lowering: &mut Lowering<'_>) -> Register {
     let position = lowering.new_mode(start);
     let half = lowering.constant(0.5);
     let (on, off) = (lowering.input("on"), lowering.input("off"));
-    lowering.select(position, half, on, off)
+    lowering.select(position.value, half, on, off)
 }
 
 fn memory_law(lowering: &mut Lowering<'_>) {
-    let signal = lowering.input("in");
+    let (position, signal) = (lowering.own_mode(), lowering.input("in"));
     let (pull_in, drop_out) = (lowering.get("pull_in"), lowering.get("drop_out"));
     let above = lowering.subtract(signal, pull_in);
     let below = lowering.subtract(drop_out, signal);
-    lowering.transition(Transition::new(RELEASED, PULLED_IN, Guard::reached(above)));
-    lowering.transition(Transition::new(PULLED_IN, RELEASED, Guard::reached(below)));
+    lowering.transition(position, Transition::new(RELEASED, PULLED_IN, Guard::reached(above)));
+    lowering.transition(position, Transition::new(PULLED_IN, RELEASED, Guard::reached(below)));
 }

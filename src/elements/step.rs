@@ -27,7 +27,7 @@ fn output_law(lowering: &mut Lowering<'_>) -> Register {
     let (height, zero, half) = (lowering.get("height"), lowering.constant(0.0), lowering.constant(0.5));
     let position = lowering.new_mode(BEFORE);
     let (since, until) = (lowering.subtract(time, at), lowering.subtract(at, time));
-    lowering.transition(Transition::new(BEFORE, AFTER, Guard::reached(since)));
-    lowering.transition(Transition::new(AFTER, BEFORE, Guard::passed(until)));
-    lowering.select(position, half, height, zero)
+    lowering.transition(position, Transition::new(BEFORE, AFTER, Guard::reached(since)));
+    lowering.transition(position, Transition::new(AFTER, BEFORE, Guard::passed(until)));
+    lowering.select(position.value, half, height, zero)
 }

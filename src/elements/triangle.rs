@@ -35,9 +35,9 @@ fn output_law(lowering: &mut Lowering<'_>) -> Register {
     let centred = lowering.subtract(quadrupled, two);
     let distance = lowering.absolute(centred);
     let before = lowering.negate(centred);
-    lowering.new_mode(RISING);
-    lowering.transition(Transition::new(RISING, FALLING, Guard::reached(centred)));
-    lowering.transition(Transition::new(FALLING, RISING, Guard::passed(before)));
+    let way = lowering.new_mode(RISING);
+    lowering.transition(way, Transition::new(RISING, FALLING, Guard::reached(centred)));
+    lowering.transition(way, Transition::new(FALLING, RISING, Guard::passed(before)));
     let wave = lowering.subtract(one, distance);
     let (amplitude, offset) = (lowering.get("amplitude"), lowering.get("offset"));
     let swing = lowering.multiply(amplitude, wave);

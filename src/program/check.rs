@@ -6,6 +6,9 @@ use super::{Loop, Program, Sources};
 use crate::circuit::Circuit;
 use crate::patch::{Code, Diagnostic, Report, told};
 
+/// Modes that have not settled after so many rounds chatter, which the run tells.
+const MOST_SETTLING: usize = 1000;
+
 /// Refuses programs whose coefficients or loops cannot be used.
 pub(super) fn check(circuit: &Circuit, program: &Program) -> Result<(), Box<Report>> {
     match finding(circuit, program) {
@@ -26,21 +29,32 @@ fn finding(circuit: &Circuit, program: &Program) -> Option<Diagnostic> {
     Some(diagnostic(circuit, &program.loops[fault.index], fault.solutions))
 }
 
+/// The loop that cannot be solved in initial condition, once the modes have settled.
 fn fault_at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Option<LoopFault> {
-    let states: Vec<f64> = program.states.iter().map(|state| coefficients[state.initial as usize]).collect();
-    let modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
+    let mut states: Vec<f64> =
+        program.states.iter().map(|state| coefficients[state.initial as usize]).collect();
+    let mut modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
     let delayed: Vec<f64> = program.delays.iter().map(|delay| coefficients[delay.initial as usize]).collect();
-    let from = Sources {
-        parameters,
-        coefficients,
-        states: &states,
-        modes: &modes,
-        time: 0.0,
-        tables: &program.tables,
-        delayed: &delayed,
-    };
+    let mut registers = vec![0.0; program.body.len()];
     let mut scratch = Scratch::new(program);
-    program.evaluate(&from, &mut vec![0.0; program.body.len()], &mut scratch);
+    for _ in 0..MOST_SETTLING {
+        let from = Sources {
+            parameters,
+            coefficients,
+            states: &states,
+            modes: &modes,
+            time: 0.0,
+            tables: &program.tables,
+            delayed: &delayed,
+        };
+        scratch.fault = None;
+        program.evaluate(&from, &mut registers, &mut scratch);
+        let mut changed = false;
+        program.change_modes(&registers, &mut modes, &mut states, |_| changed = true);
+        if !changed {
+            break;
+        }
+    }
     scratch.fault
 }
 
@@ -55,6 +69,7 @@ fn diagnostic(circuit: &Circuit, entry: &Loop, solutions: Solutions) -> Diagnost
         Solutions::NotStraight | Solutions::NotANumber => {
             (Code::LoopNotPiecewiseLinear, "put an integrator or a lag into the loop")
         }
+        Solutions::TooManyPieces => (Code::LoopTooTangled, "put an integrator or a lag into the loop"),
         Solutions::Range => {
             (Code::LoopWithSolutions, "its gain is exactly 1: change it, or put an integrator into the loop")
         }
@@ -84,5 +99,6 @@ pub(crate) fn tell(solutions: Solutions, opened: &str) -> String {
         Solutions::Range => format!("a whole range of solutions: {opened} follows itself"),
         Solutions::NotStraight => "goes through an element that is not made of straight pieces".to_owned(),
         Solutions::NotANumber => "a voltage in it that is not a number".to_owned(),
+        Solutions::TooManyPieces => "is made of more straight pieces than can be walked".to_owned(),
     }
 }

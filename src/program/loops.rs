@@ -26,8 +26,12 @@ pub(crate) enum Solutions {
     NotStraight,
     /// A voltage of the loop is not a number.
     NotANumber,
+    /// More straight pieces than can be walked.
+    TooManyPieces,
 }
 
+/// More pieces than this would take too long at every evaluation.
+const MOST_PIECES: usize = 10_000;
 /// How many solutions are told one by one.
 const KEPT: usize = 4;
 /// Solutions nearer to each other than this, in volts, are one.
@@ -97,7 +101,7 @@ impl<'a> Walker<'a> {
     fn walk(&mut self, index: usize, frozen: usize) -> Solutions {
         let (mut begin, mut probe) = (-REFERENCE, -REFERENCE);
         let mut found = Found::default();
-        loop {
+        for _ in 0..MOST_PIECES {
             let result = match self.follow(index, moving(probe), frozen) {
                 Ok(result) => result,
                 Err(solutions) => return solutions,
@@ -114,6 +118,7 @@ impl<'a> Walker<'a> {
             begin = end;
             probe = end.max(probe) + LEAST_PIECE;
         }
+        Solutions::TooManyPieces
     }
 
     /// The loop's result for a tear; an error where it is not a straight piece.

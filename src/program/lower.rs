@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Lamp, Loop, Op, Outlet, ParameterSlot, Probe, Program, Register};
+use super::{Lamp, Loop, ModeHandle, Op, Outlet, ParameterSlot, Probe, Program, Register};
 use crate::circuit::{Circuit, Stage};
 use crate::elements::Output;
 use crate::machines::REFERENCE;
@@ -32,7 +32,7 @@ pub struct Lowering<'c> {
     pub(super) current: usize,
     pub(super) outputs: Vec<Option<Register>>,
     pub(super) own_state: HashMap<usize, u32>,
-    pub(super) own_mode: HashMap<usize, u32>,
+    pub(super) own_mode: HashMap<usize, ModeHandle>,
     pub(super) own_delay: HashMap<usize, u32>,
     pub(super) constants: HashMap<u64, Register>,
     pub(super) settings: HashMap<(usize, usize), u32>,

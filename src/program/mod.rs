@@ -112,10 +112,20 @@ pub struct Transition {
     pub(crate) to: f64,
     pub(crate) guard: Guard,
     pub(crate) reset: Option<Reset>,
+    /// Other modes that change with it, and to what.
+    pub(crate) sets: Vec<(u32, f64)>,
+}
+
+/// A mode of the element whose law is being emitted.
+#[derive(Debug, Clone, Copy)]
+pub struct ModeHandle {
+    pub(crate) index: u32,
+    /// Where the body reads the mode's present value.
+    pub value: Register,
 }
 
 /// When a transition happens.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guard {
     pub(crate) register: Register,
     pub(crate) strict: bool,
@@ -139,8 +149,13 @@ impl Guard {
         Guard { register, strict: true }
     }
 
+    /// How far the guard is past its mark; negative before it.
+    pub(crate) fn excess(self, registers: &[f64]) -> f64 {
+        registers[self.register.index()]
+    }
+
     pub(crate) fn holds(self, registers: &[f64]) -> bool {
-        let value = registers[self.register.index()];
+        let value = self.excess(registers);
         if self.strict { value > 0.0 } else { value >= 0.0 }
     }
 }
@@ -148,12 +163,18 @@ impl Guard {
 impl Transition {
     /// A change between two values of a mode.
     pub fn new(from: f64, to: f64, guard: Guard) -> Self {
-        Transition { from, to, guard, reset: None }
+        Transition { from, to, guard, reset: None, sets: Vec::new() }
     }
 
     /// The same change, which also sets the element's state.
     pub fn reset(mut self, lowering: &Lowering<'_>, to: Register) -> Self {
-        self.reset = lowering.own_state().map(|state| Reset { state, to });
+        self.reset = Some(Reset { state: lowering.own_state(), to });
+        self
+    }
+
+    /// The same change, which also puts another mode to a value.
+    pub fn and_sets(mut self, mode: ModeHandle, value: f64) -> Self {
+        self.sets.push((mode.index, value));
         self
     }
 }
@@ -209,6 +230,28 @@ pub struct Probe {
 pub(crate) const LAMP_LEVEL: f64 = REFERENCE * (1.0 + 1e-6);
 
 impl Program {
+    /// Carries out every change of mode that is due at these voltages, at most one of each mode; tells of each
+    /// by its index. The voltages have to be worked out again after it.
+    pub(crate) fn change_modes(
+        &self,
+        registers: &[f64],
+        modes: &mut [f64],
+        states: &mut [f64],
+        mut changed: impl FnMut(usize),
+    ) {
+        for (index, mode) in self.modes.iter().enumerate() {
+            let value = modes[index];
+            let due = |open: &&Transition| open.from == value && open.guard.holds(registers);
+            let Some(transition) = mode.transitions.iter().find(due) else { continue };
+            modes[index] = transition.to;
+            transition.sets.iter().for_each(|(other, value)| modes[*other as usize] = *value);
+            if let Some(reset) = transition.reset {
+                states[reset.state as usize] = registers[reset.to.index()];
+            }
+            changed(index);
+        }
+    }
+
     /// The element of this index.
     pub(crate) fn name(&self, element: usize) -> &str {
         &self.elements[element].name

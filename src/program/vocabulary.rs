@@ -1,7 +1,7 @@
 //! What an element's law can read, and the operations that it can emit.
 
 use super::lower::Lowering;
-use super::{Delay, Guard, Mode, Op, Register, State, Transition};
+use super::{Delay, Guard, Mode, ModeHandle, Op, Register, State, Transition};
 use crate::elements::Default as SettingDefault;
 use crate::machines::REFERENCE;
 use crate::patch::{Amount, Function};
@@ -208,8 +208,8 @@ impl Lowering<'_> {
     }
 
     /// The index of the current element's state.
-    pub(super) fn own_state(&self) -> Option<u32> {
-        self.own_state.get(&self.current).copied()
+    pub(super) fn own_state(&self) -> u32 {
+        *self.own_state.get(&self.current).expect("the element's output law makes its state")
     }
 
     /// The output of the current element, once it is there.
@@ -226,41 +226,44 @@ impl Lowering<'_> {
         let demand = self.scaled(rate, self.circuit.time_scale());
         let (held, zero, half) = (self.new_mode(FREE), self.constant(0.0), self.constant(0.5));
         for sign in [1.0, -1.0] {
-            self.limit(sign, demand);
+            self.limit(held, sign, demand);
         }
-        let size = self.absolute(held);
+        let size = self.absolute(held.value);
         let rate = self.select(size, half, zero, demand);
-        if let Some(index) = self.own_state() {
-            let state = &mut self.program.states[index as usize];
-            (state.rate, state.demand) = (rate, demand);
-        }
+        let index = self.own_state() as usize;
+        let state = &mut self.program.states[index];
+        (state.rate, state.demand) = (rate, demand);
     }
 
     /// The limit of this sign: met from inside, left when driven inward or set inside by something else.
-    fn limit(&mut self, sign: f64, demand: Register) {
+    fn limit(&mut self, held: ModeHandle, sign: f64, demand: Register) {
         let (limit, out) = (self.constant(sign * REFERENCE), self.state());
         let (past, short) = (self.subtract(out, limit), self.subtract(limit, out));
         let (over, inside) = if sign > 0.0 { (past, short) } else { (short, past) };
         let inward = if sign > 0.0 { self.negate(demand) } else { demand };
         let meets = Transition::new(FREE, sign, Guard::passed(over)).reset(self, limit);
-        self.transition(meets);
-        self.transition(Transition::new(sign, FREE, Guard::passed(inward)));
-        self.transition(Transition::new(sign, FREE, Guard::passed(inside)));
+        self.transition(held, meets);
+        self.transition(held, Transition::new(sign, FREE, Guard::passed(inward)));
+        self.transition(held, Transition::new(sign, FREE, Guard::passed(inside)));
     }
 
     /// A new mode of the current element.
-    pub fn new_mode(&mut self, initial: f64) -> Register {
+    pub fn new_mode(&mut self, initial: f64) -> ModeHandle {
         let index = self.program.modes.len() as u32;
         self.program.modes.push(Mode { element: self.current, initial, transitions: Vec::new() });
-        self.own_mode.insert(self.current, index);
-        self.emit(Op::Mode(index))
+        let mode = ModeHandle { index, value: self.emit(Op::Mode(index)) };
+        self.own_mode.entry(self.current).or_insert(mode);
+        mode
     }
 
-    /// A change of the mode that the current element made last.
-    pub fn transition(&mut self, transition: Transition) {
-        if let Some(index) = self.own_mode.get(&self.current) {
-            self.program.modes[*index as usize].transitions.push(transition);
-        }
+    /// The mode that the current element made first.
+    pub fn own_mode(&self) -> ModeHandle {
+        *self.own_mode.get(&self.current).expect("the element's output law makes its mode")
+    }
+
+    /// A change of a mode.
+    pub fn transition(&mut self, mode: ModeHandle, transition: Transition) {
+        self.program.modes[mode.index as usize].transitions.push(transition);
     }
 
     /// A delay line of the current element, its time and initial output being settings.
@@ -276,8 +279,8 @@ impl Lowering<'_> {
 
     /// What goes into the current element's delay line.
     pub fn set_delay_input(&mut self, input: Register) {
-        if let Some(index) = self.own_delay.get(&self.current) {
-            self.program.delays[*index as usize].input = input;
-        }
+        let index =
+            *self.own_delay.get(&self.current).expect("the element's output law makes its delay line");
+        self.program.delays[index as usize].input = input;
     }
 }

@@ -38,6 +38,8 @@ const SPARE: usize = 64;
 const NEAR: f64 = 1e-9;
 /// Share of a step by which the samples of a curve lie apart: keeps rounding under 1e-11 of the voltage.
 const APART: f64 = 1e-3;
+/// Share of a voltage by which two ways of working it out may differ without a jump.
+const ROUNDING: f64 = 1e-9;
 /// An echo is one derivative smoother than what it echoes; steps of order 4 need not stop for more of them.
 const MOST_ECHOES: u8 = 4;
 
@@ -68,9 +70,11 @@ impl DelayLine {
         self.delay
     }
 
-    /// The delay and initial output as they are set now; the past stays.
-    pub fn set(&mut self, delay: f64, initial: f64) {
+    /// The delay and initial output as they are set at a time; the past stays. Echoes that would have come out
+    /// before then are not heard any more.
+    pub fn set(&mut self, delay: f64, initial: f64, time: f64) {
         (self.delay, self.initial) = (delay, initial);
+        self.echoes_by(time);
     }
 
     pub fn clear(&mut self) {
@@ -90,7 +94,7 @@ impl DelayLine {
     pub fn put_break(&mut self, time: f64, volts: f64, echoes: u8) {
         self.put(time, volts);
         let Some(last) = self.past.back_mut() else { return };
-        let jumps = last.volts != volts;
+        let jumps = (last.volts - volts).abs() > ROUNDING * (1.0 + volts.abs());
         last.breaks = true;
         if jumps {
             self.past.push_back(Sample { time, volts, breaks: true });

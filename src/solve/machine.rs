@@ -59,6 +59,10 @@ pub struct Machine<'p> {
     lamps: Vec<Option<Lit>>,
     mode: MachineMode,
     pub(super) work: Work,
+    /// Changes of every mode within the present step.
+    pub(super) changes: Vec<u32>,
+    /// How far every integrator has been driven on while it was held at a limit, in volts.
+    pushed: Vec<f64>,
     step: f64,
     grid: Grid,
     /// Grid steps since the last initial condition, and where the grid began.
@@ -124,6 +128,8 @@ impl<'p> Machine<'p> {
             lamps: vec![None; program.elements.len()],
             mode: MachineMode::InitialCondition,
             work: Work::default(),
+            changes: vec![0; program.modes.len()],
+            pushed: zeros(),
             step,
             grid: Grid::new(step),
             steps: 0,
@@ -151,6 +157,7 @@ impl<'p> Machine<'p> {
         }
         self.lines.iter_mut().for_each(DelayLine::clear);
         self.lamps.fill(None);
+        self.pushed.fill(0.0);
         self.work = Work::default();
         self.disturbed()
     }
@@ -257,6 +264,7 @@ impl<'p> Machine<'p> {
         }
         self.or_as_before(|machine| {
             machine.states[state] = volts;
+            machine.begin_modes(machine.program.states[state].element);
             machine.disturbed()
         })
     }
@@ -278,7 +286,7 @@ impl<'p> Machine<'p> {
         for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
             let (time, initial) =
                 (self.coefficients[delay.time as usize], self.coefficients[delay.initial as usize]);
-            line.set(time * delay.problem_seconds, initial);
+            line.set(time * delay.problem_seconds, initial, self.time);
         }
         self.check_delays()?;
         match self.mode {
@@ -287,12 +295,27 @@ impl<'p> Machine<'p> {
         }
     }
 
+    /// Puts the modes of an element to where they stand in initial condition.
+    fn begin_modes(&mut self, element: usize) {
+        for (value, mode) in self.modes.iter_mut().zip(&self.program.modes) {
+            if mode.element == element {
+                *value = mode.initial;
+            }
+        }
+    }
+
     /// Works everything out anew after a hand has changed something at this instant.
     fn disturbed(&mut self) -> Result<(), RunError> {
-        self.last.time = self.time;
+        self.changes.fill(0);
         self.evaluate();
         self.remember_break(0);
-        self.settle(0)?;
+        self.settle()?;
+        self.check_now()
+    }
+
+    /// Looks at the voltages of this instant after something has jumped.
+    pub(super) fn check_now(&mut self) -> Result<(), RunError> {
+        self.last.time = self.time;
         self.check_voltages()?;
         self.watch_amplifiers();
         Ok(())
@@ -452,8 +475,9 @@ impl<'p> Machine<'p> {
         corners.get(next).is_some_and(|corner| *corner <= self.time + SAME * self.step)
     }
 
-    /// Takes note of what breaks here: corners of tables, and the echoes that come out of delay lines.
-    pub(super) fn meet_breaks(&mut self) {
+    /// Takes note of what breaks here: corners of tables, and the echoes that come out of delay lines. Tells
+    /// whether any came out.
+    pub(super) fn meet_breaks(&mut self) -> bool {
         if self.is_at_corner() {
             self.remember_break(0);
         }
@@ -462,6 +486,7 @@ impl<'p> Machine<'p> {
             self.evaluate();
             self.remember_break(echoes + 1);
         }
+        heard.is_some()
     }
 
     fn check_delays(&self) -> Result<(), RunError> {
@@ -505,8 +530,12 @@ impl<'p> Machine<'p> {
     fn watch_integrators(&mut self) {
         let length = self.time - self.last.time;
         for (index, state) in self.program.states.iter().enumerate() {
-            let asked = (self.states[index] + length * self.registers[state.demand.index()]).abs();
-            if self.last.states[index].abs() >= REFERENCE && asked > LAMP_LEVEL {
+            let outward = self.registers[state.demand.index()] * self.states[index].signum();
+            let held = self.last.states[index].abs() >= REFERENCE && outward > 0.0;
+            let pushed = &mut self.pushed[index];
+            *pushed = if held { *pushed + length * outward } else { 0.0 };
+            let asked = REFERENCE + *pushed;
+            if asked > LAMP_LEVEL {
                 light(&mut self.lamps[state.element], state.element, self.last.time, asked);
             }
         }
