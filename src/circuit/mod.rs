@@ -123,9 +123,9 @@ impl Circuit {
         Report::new(self.patch.file(), self.patch.text(), self.warnings.clone())
     }
 
-    /// The warnings and one more finding.
-    pub(crate) fn report_with(&self, finding: Diagnostic) -> Report {
-        let findings = self.warnings.iter().cloned().chain([finding]).collect();
+    /// The warnings and more findings.
+    pub(crate) fn report_with(&self, more: Vec<Diagnostic>) -> Report {
+        let findings = self.warnings.iter().cloned().chain(more).collect();
         Report::new(self.patch.file(), self.patch.text(), findings)
     }
 

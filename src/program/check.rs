@@ -6,37 +6,46 @@ use super::{Loop, Program, Sources};
 use crate::circuit::Circuit;
 use crate::patch::{Code, Diagnostic, Report, told};
 
-/// Modes that have not settled after so many rounds chatter, which the run tells.
+/// Modes that have not settled after so many rounds never will.
 const MOST_SETTLING: usize = 1000;
 
 /// Refuses programs whose coefficients or loops cannot be used.
 pub(super) fn check(circuit: &Circuit, program: &Program) -> Result<(), Box<Report>> {
-    match finding(circuit, program) {
-        Some(finding) => Err(Box::new(circuit.report_with(finding))),
-        None => Ok(()),
-    }
+    let findings = findings(circuit, program);
+    if findings.is_empty() { Ok(()) } else { Err(Box::new(circuit.report_with(findings))) }
 }
 
-fn finding(circuit: &Circuit, program: &Program) -> Option<Diagnostic> {
+fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
     let parameters: Vec<f64> = program.parameters.iter().map(|slot| slot.value).collect();
     let coefficients = program.prepare(&parameters);
     if let Some((coefficient, value)) = program.first_bad(&coefficients) {
         let message = format!("{} comes to {value}", coefficient.label);
         let hint = Some("look for a wrong power of ten, here or in a scale".to_owned());
-        return Some(Diagnostic { code: Code::NotFinite, span: coefficient.span, message, hint });
+        return vec![Diagnostic { code: Code::NotFinite, span: coefficient.span, message, hint }];
     }
-    let fault = fault_at_rest(program, &parameters, &coefficients)?;
-    Some(diagnostic(circuit, &program.loops[fault.index], fault.solutions))
+    let rest = at_rest(program, &parameters, &coefficients);
+    let loops =
+        rest.faults.iter().map(|fault| diagnostic(circuit, &program.loops[fault.index], fault.solutions));
+    loops.chain(rest.restless.map(|element| restless(circuit, program, element))).collect()
 }
 
-/// The loop that cannot be solved in initial condition, once the modes have settled.
-fn fault_at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Option<LoopFault> {
+/// What is found in initial condition.
+struct Rest {
+    /// Loops that cannot be solved.
+    faults: Vec<LoopFault>,
+    /// An element whose mode does not settle.
+    restless: Option<usize>,
+}
+
+/// Works out initial condition until the modes have settled.
+fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest {
     let mut states: Vec<f64> =
         program.states.iter().map(|state| coefficients[state.initial as usize]).collect();
     let mut modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
     let delayed: Vec<f64> = program.delays.iter().map(|delay| coefficients[delay.initial as usize]).collect();
     let mut registers = vec![0.0; program.body.len()];
     let mut scratch = Scratch::new(program);
+    let mut restless = None;
     for _ in 0..MOST_SETTLING {
         let from = Sources {
             parameters,
@@ -47,15 +56,54 @@ fn fault_at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) ->
             tables: &program.tables,
             delayed: &delayed,
         };
-        scratch.fault = None;
+        scratch.faults.clear();
         program.evaluate(&from, &mut registers, &mut scratch);
-        let mut changed = false;
-        program.change_modes(&registers, &mut modes, &mut states, |_| changed = true);
-        if !changed {
+        restless = None;
+        program.change_modes(&registers, &mut modes, &mut states, |mode| {
+            restless = Some(program.modes[mode].element);
+        });
+        if restless.is_none() {
             break;
         }
     }
-    scratch.fault
+    let mut faults = scratch.faults;
+    // Behind a loop that has no voltage others have none either: the first is the cause.
+    let consequence = |fault: &LoopFault| fault.solutions == Solutions::NotANumber;
+    if !faults.iter().all(consequence) {
+        faults.retain(|fault| !consequence(fault));
+    }
+    Rest { faults, restless }
+}
+
+/// A relay that no position suits: with the members of the loop that lead from it back to it at once.
+fn restless(circuit: &Circuit, program: &Program, element: usize) -> Diagnostic {
+    let mut members = at_once(program, element);
+    members.retain(|member| at_once(program, *member).contains(&element));
+    let names: Vec<_> = members.iter().map(|member| program.name(*member)).collect();
+    let message = format!(
+        "the loop {} has no integrator and no position of {} satisfies it: it switches without end",
+        names.join(", "),
+        program.name(element)
+    );
+    let hint = Some("put an integrator or a lag into the loop, or invert it once more".to_owned());
+    Diagnostic { code: Code::LoopWithoutSolution, span: circuit.element(element).span, message, hint }
+}
+
+/// The elements that an element reaches within the same instant: through anything but states and delay lines.
+fn at_once(program: &Program, from: usize) -> Vec<usize> {
+    let mut reached: Vec<usize> = Vec::new();
+    let mut open = vec![from];
+    while let Some(element) = open.pop() {
+        for reader in &program.readers[element] {
+            let remembers = program.states.iter().any(|state| state.element == *reader)
+                || program.delays.iter().any(|delay| delay.element == *reader);
+            if !remembers && !reached.contains(reader) {
+                reached.push(*reader);
+                open.push(*reader);
+            }
+        }
+    }
+    reached
 }
 
 fn diagnostic(circuit: &Circuit, entry: &Loop, solutions: Solutions) -> Diagnostic {

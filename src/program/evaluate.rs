@@ -12,14 +12,14 @@ use super::{Coefficient, Program};
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
     pub pieces: Vec<Piece>,
-    /// The first loop that could not be solved.
-    pub fault: Option<LoopFault>,
+    /// The loops that could not be solved.
+    pub faults: Vec<LoopFault>,
 }
 
 impl Scratch {
     pub fn new(program: &Program) -> Self {
         let pieces = if program.loops.is_empty() { 0 } else { program.body.len() };
-        Scratch { pieces: vec![Piece::constant(0.0); pieces], fault: None }
+        Scratch { pieces: vec![Piece::constant(0.0); pieces], faults: Vec::new() }
     }
 }
 

@@ -52,7 +52,7 @@ pub(super) fn solve_tear(
     if let Solutions::Counted { count: 1, first } = solutions {
         return first[0];
     }
-    scratch.fault = scratch.fault.or(Some(LoopFault { index, solutions }));
+    scratch.faults.push(LoopFault { index, solutions });
     f64::NAN
 }
 

@@ -377,7 +377,7 @@ impl<'p> Machine<'p> {
 
     /// Works out every voltage of now, and the rates.
     pub(super) fn evaluate(&mut self) {
-        self.scratch.fault = None;
+        self.scratch.faults.clear();
         for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
             *delayed = line.from(self.time);
         }
@@ -416,7 +416,7 @@ impl<'p> Machine<'p> {
 
     /// Looks ahead by a step of this length: states and voltages at its end.
     pub(super) fn step_ahead(&mut self, length: f64) {
-        self.scratch.fault = None;
+        self.scratch.faults.clear();
         self.rk4(length);
         self.trial.iter_mut().filter(|volts| volts.abs() < SMALLEST).for_each(|volts| *volts = 0.0);
         self.evaluate_trial(self.time + length);
@@ -500,7 +500,7 @@ impl<'p> Machine<'p> {
     }
 
     fn check_voltages(&self) -> Result<(), RunError> {
-        if let Some(LoopFault { index, solutions }) = self.scratch.fault {
+        if let Some(&LoopFault { index, solutions }) = self.scratch.faults.first() {
             let members = &self.program.loops[index].members;
             let opened = members.last().map_or("", String::as_str);
             let solutions = tell(solutions, opened);
