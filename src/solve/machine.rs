@@ -4,8 +4,7 @@ use super::delay_line::{DelayLine, Output};
 use super::error::RunError;
 use super::grid::Grid;
 use super::overload::{self, Lit, Overload};
-use crate::machines::REFERENCE;
-use crate::program::{LAMP_LEVEL, Linearisation, LoopFault, OperatingPoint, Program, Scratch, Sources, tell};
+use crate::program::{Linearisation, OperatingPoint, Program, Scratch, Sources};
 
 /// What the machine is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,23 +50,20 @@ pub struct Machine<'p> {
     pub(super) trial_registers: Vec<f64>,
     /// Where the last stretch began, for what is recorded within it.
     pub(super) last: Stretch,
-    parameters: Vec<f64>,
-    coefficients: Vec<f64>,
+    pub(super) parameters: Vec<f64>,
+    pub(super) coefficients: Vec<f64>,
     delayed: Vec<f64>,
-    lines: Vec<DelayLine>,
-    scratch: Scratch,
-    lamps: Vec<Option<Lit>>,
-    mode: MachineMode,
+    pub(super) lines: Vec<DelayLine>,
+    pub(super) scratch: Scratch,
+    pub(super) lamps: Vec<Option<Lit>>,
+    pub(super) mode: MachineMode,
     pub(super) work: Work,
     /// Changes of every mode within the present step.
     pub(super) changes: Vec<u32>,
     /// How far every integrator has been driven on while it was held at a limit, in volts.
-    pushed: Vec<f64>,
-    step: f64,
+    pub(super) pushed: Vec<f64>,
+    pub(super) step: f64,
     grid: Grid,
-    /// Grid steps since the last initial condition, and where the grid began.
-    steps: u64,
-    origin: f64,
 }
 
 /// The beginning of a stretch of time gone in one piece.
@@ -132,8 +128,6 @@ impl<'p> Machine<'p> {
             pushed: zeros(),
             step,
             grid: Grid::new(step),
-            steps: 0,
-            origin: 0.0,
             parameters,
             coefficients,
         };
@@ -148,7 +142,7 @@ impl<'p> Machine<'p> {
     /// When a voltage is not a number, or modes do not settle.
     pub fn initial_condition(&mut self) -> Result<(), RunError> {
         self.mode = MachineMode::InitialCondition;
-        (self.time, self.steps, self.origin) = (0.0, 0, 0.0);
+        self.time = 0.0;
         for (value, state) in self.states.iter_mut().zip(&self.program.states) {
             *value = self.coefficients[state.initial as usize];
         }
@@ -178,11 +172,11 @@ impl<'p> Machine<'p> {
         self.mode = MachineMode::Operate;
         let begin = self.time;
         let whole = self.grid.steps_in(length);
-        (self.origin, self.steps) = (begin, 0);
-        while self.steps < whole && !self.is_stopped_by(witness) {
-            self.steps += 1;
-            let target = self.origin + self.grid.time(self.steps);
-            self.advance(target, witness)?;
+        for step in 1..=whole {
+            if self.is_stopped_by(witness) {
+                return Ok(());
+            }
+            self.advance(begin + self.grid.time(step), witness)?;
         }
         let end = begin + length;
         // What is left beyond the last whole step, unless it is rounding.
@@ -221,91 +215,8 @@ impl<'p> Machine<'p> {
         self.step
     }
 
-    /// Turns whatever pots follow from a parameter, given in its declared unit; also while running.
-    /// In initial condition the initial conditions follow too.
-    ///
-    /// # Errors
-    /// When there is no such parameter, or a value or a setting leaves its range; nothing is changed then.
-    pub fn set(&mut self, name: &str, value: f64) -> Result<(), RunError> {
-        let Some(index) = self.program.parameters.iter().position(|slot| slot.name == name) else {
-            return Err(RunError::UnknownParameter(name.to_owned()));
-        };
-        let slot = &self.program.parameters[index];
-        let (low, high) = slot.range.unwrap_or((f64::MIN, f64::MAX));
-        if !(low <= value && value <= high) {
-            return Err(RunError::OutsideRange { what: name.to_owned(), value, low, high });
-        }
-        let mut parameters = self.parameters.clone();
-        parameters[index] = value * slot.per_unit;
-        let coefficients = self.program.prepare(&parameters);
-        if let Some((bad, value)) = self.program.first_bad(&coefficients) {
-            let (low, high) = bad.range;
-            return Err(RunError::OutsideRange { what: bad.label.clone(), value, low, high });
-        }
-        self.or_as_before(|machine| {
-            (machine.parameters, machine.coefficients) = (parameters, coefficients);
-            machine.follow_coefficients()
-        })
-    }
-
-    /// Puts the output of an integrator at a voltage, as an operator does who overrides its initial
-    /// condition; also while running. It lasts until the next initial condition.
-    ///
-    /// # Errors
-    /// When there is no such integrator, the voltage is not within ±100 V, or the circuit cannot be worked
-    /// out there; nothing is changed then.
-    pub fn set_state(&mut self, integrator: &str, volts: f64) -> Result<(), RunError> {
-        let state =
-            self.program.states.iter().position(|state| self.program.name(state.element) == integrator);
-        let Some(state) = state else { return Err(RunError::UnknownElement(integrator.to_owned())) };
-        let (low, high) = (-REFERENCE, REFERENCE);
-        if !(low <= volts && volts <= high) {
-            return Err(RunError::OutsideRange { what: integrator.to_owned(), value: volts, low, high });
-        }
-        self.or_as_before(|machine| {
-            machine.states[state] = volts;
-            machine.begin_modes(machine.program.states[state].element);
-            machine.disturbed()
-        })
-    }
-
-    /// Makes a change, or leaves the machine as it was where the change cannot be made.
-    fn or_as_before(
-        &mut self,
-        change: impl FnOnce(&mut Self) -> Result<(), RunError>,
-    ) -> Result<(), RunError> {
-        let before = self.clone();
-        let outcome = change(self);
-        if outcome.is_err() {
-            *self = before;
-        }
-        outcome
-    }
-
-    fn follow_coefficients(&mut self) -> Result<(), RunError> {
-        for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
-            let (time, initial) =
-                (self.coefficients[delay.time as usize], self.coefficients[delay.initial as usize]);
-            line.set(time * delay.problem_seconds, initial, self.time);
-        }
-        self.check_delays()?;
-        match self.mode {
-            MachineMode::InitialCondition => self.initial_condition(),
-            _ => self.disturbed(),
-        }
-    }
-
-    /// Puts the modes of an element to where they stand in initial condition.
-    fn begin_modes(&mut self, element: usize) {
-        for (value, mode) in self.modes.iter_mut().zip(&self.program.modes) {
-            if mode.element == element {
-                *value = mode.initial;
-            }
-        }
-    }
-
     /// Works everything out anew after a hand has changed something at this instant.
-    fn disturbed(&mut self) -> Result<(), RunError> {
+    pub(super) fn disturbed(&mut self) -> Result<(), RunError> {
         self.changes.fill(0);
         self.evaluate();
         self.remember_break(0);
@@ -488,73 +399,6 @@ impl<'p> Machine<'p> {
         }
         heard.is_some()
     }
-
-    fn check_delays(&self) -> Result<(), RunError> {
-        for (line, delay) in self.lines.iter().zip(&self.program.delays) {
-            if line.delay() < self.step * (1.0 - 1e-9) {
-                let element = self.program.name(delay.element).to_owned();
-                return Err(RunError::DelayTooShort { element, delay: line.delay(), step: self.step });
-            }
-        }
-        Ok(())
-    }
-
-    fn check_voltages(&self) -> Result<(), RunError> {
-        if let Some(&LoopFault { index, solutions }) = self.scratch.faults.first() {
-            let members = &self.program.loops[index].members;
-            let opened = members.last().map_or("", String::as_str);
-            let solutions = tell(solutions, opened);
-            return Err(RunError::Loop { members: members.join(", "), solutions, time: self.time });
-        }
-        match self.program.in_order().find(|outlet| self.registers[outlet.register.index()].is_nan()) {
-            Some(outlet) => {
-                Err(RunError::NotANumber { element: outlet.name.clone(), time: self.time, trace: None })
-            }
-            None => Ok(()),
-        }
-    }
-
-    /// Lights the lamps of amplifiers that are asked for more than they can give.
-    fn watch_amplifiers(&mut self) {
-        for lamp in &self.program.lamps {
-            let asked = self.registers[lamp.demand.index()].abs();
-            if asked > LAMP_LEVEL {
-                let before = self.trial_registers[lamp.demand.index()].abs();
-                let time = lit_at(self.last.time, before, self.time, asked);
-                light(&mut self.lamps[lamp.element], lamp.element, time, asked);
-            }
-        }
-    }
-
-    /// Lights the lamps of integrators that are held at ±100 V while they are driven on.
-    fn watch_integrators(&mut self) {
-        let length = self.time - self.last.time;
-        for (index, state) in self.program.states.iter().enumerate() {
-            let outward = self.registers[state.demand.index()] * self.states[index].signum();
-            let held = self.last.states[index].abs() >= REFERENCE && outward > 0.0;
-            let pushed = &mut self.pushed[index];
-            *pushed = if held { *pushed + length * outward } else { 0.0 };
-            let asked = REFERENCE + *pushed;
-            if asked > LAMP_LEVEL {
-                light(&mut self.lamps[state.element], state.element, self.last.time, asked);
-            }
-        }
-    }
-}
-
-fn light(lamp: &mut Option<Lit>, element: usize, time: f64, asked: f64) {
-    let lit = lamp.get_or_insert(Lit { element, time, peak: asked });
-    lit.peak = lit.peak.max(asked);
-}
-
-/// When a demand passed the level: at the beginning of a stretch where it jumped there, else on the straight
-/// line between its ends.
-fn lit_at(begin: f64, before: f64, end: f64, after: f64) -> f64 {
-    if before > LAMP_LEVEL {
-        return begin;
-    }
-    let share = (LAMP_LEVEL - before) / (after - before);
-    if share < 1.0 { begin + share * (end - begin) } else { end }
 }
 
 fn delay_lines(program: &Program, coefficients: &[f64], step: f64) -> Vec<DelayLine> {

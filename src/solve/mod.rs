@@ -4,10 +4,12 @@ mod delay_line;
 mod error;
 mod events;
 mod grid;
+mod hands;
 mod machine;
 mod overload;
 mod rk4;
 mod run;
+mod watch;
 
 pub use error::RunError;
 pub use machine::{Machine, MachineMode, Work};

@@ -1,0 +1,100 @@
+//! What an operator does by hand, also while the machine runs: turning pots, setting integrators.
+
+use super::error::RunError;
+use super::machine::{Machine, MachineMode};
+use crate::machines::REFERENCE;
+
+impl Machine<'_> {
+    /// Turns whatever pots follow from a parameter, given in its declared unit; also while running.
+    /// In initial condition the initial conditions follow too.
+    ///
+    /// # Errors
+    /// When there is no such parameter, or a value or a setting leaves its range; nothing is changed then.
+    pub fn set(&mut self, name: &str, value: f64) -> Result<(), RunError> {
+        let Some(index) = self.program.parameters.iter().position(|slot| slot.name == name) else {
+            return Err(RunError::UnknownParameter(name.to_owned()));
+        };
+        let slot = &self.program.parameters[index];
+        let (low, high) = slot.range.unwrap_or((f64::MIN, f64::MAX));
+        if !(low <= value && value <= high) {
+            return Err(RunError::OutsideRange { what: name.to_owned(), value, low, high });
+        }
+        let mut parameters = self.parameters.clone();
+        parameters[index] = value * slot.per_unit;
+        let coefficients = self.program.prepare(&parameters);
+        if let Some((bad, value)) = self.program.first_bad(&coefficients) {
+            let (low, high) = bad.range;
+            return Err(RunError::OutsideRange { what: bad.label.clone(), value, low, high });
+        }
+        self.or_as_before(|machine| {
+            (machine.parameters, machine.coefficients) = (parameters, coefficients);
+            machine.follow_coefficients()
+        })
+    }
+
+    /// Puts the output of an integrator at a voltage, as an operator does who overrides its initial
+    /// condition; also while running. It lasts until the next initial condition.
+    ///
+    /// # Errors
+    /// When there is no such integrator, the voltage is not within ±100 V, or the circuit cannot be worked
+    /// out there; nothing is changed then.
+    pub fn set_state(&mut self, integrator: &str, volts: f64) -> Result<(), RunError> {
+        let state =
+            self.program.states.iter().position(|state| self.program.name(state.element) == integrator);
+        let Some(state) = state else { return Err(RunError::UnknownElement(integrator.to_owned())) };
+        let (low, high) = (-REFERENCE, REFERENCE);
+        if !(low <= volts && volts <= high) {
+            return Err(RunError::OutsideRange { what: integrator.to_owned(), value: volts, low, high });
+        }
+        self.or_as_before(|machine| {
+            machine.states[state] = volts;
+            machine.begin_modes(machine.program.states[state].element);
+            machine.disturbed()
+        })
+    }
+
+    /// Makes a change, or leaves the machine as it was where the change cannot be made.
+    fn or_as_before(
+        &mut self,
+        change: impl FnOnce(&mut Self) -> Result<(), RunError>,
+    ) -> Result<(), RunError> {
+        let before = self.clone();
+        let outcome = change(self);
+        if outcome.is_err() {
+            *self = before;
+        }
+        outcome
+    }
+
+    fn follow_coefficients(&mut self) -> Result<(), RunError> {
+        for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
+            let (time, initial) =
+                (self.coefficients[delay.time as usize], self.coefficients[delay.initial as usize]);
+            line.set(time * delay.problem_seconds, initial, self.time);
+        }
+        self.check_delays()?;
+        match self.mode {
+            MachineMode::InitialCondition => self.initial_condition(),
+            _ => self.disturbed(),
+        }
+    }
+
+    /// Puts the modes of an element to where they stand in initial condition.
+    fn begin_modes(&mut self, element: usize) {
+        for (value, mode) in self.modes.iter_mut().zip(&self.program.modes) {
+            if mode.element == element {
+                *value = mode.initial;
+            }
+        }
+    }
+
+    pub(super) fn check_delays(&self) -> Result<(), RunError> {
+        for (line, delay) in self.lines.iter().zip(&self.program.delays) {
+            if line.delay() < self.step * (1.0 - 1e-9) {
+                let element = self.program.name(delay.element).to_owned();
+                return Err(RunError::DelayTooShort { element, delay: line.delay(), step: self.step });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,66 @@
+//! Watching a machine: voltages that are no numbers, loops that do not close, overload lamps.
+
+use super::error::RunError;
+use super::machine::Machine;
+use super::overload::Lit;
+use crate::machines::REFERENCE;
+use crate::program::{LAMP_LEVEL, LoopFault, tell};
+
+impl Machine<'_> {
+    pub(super) fn check_voltages(&self) -> Result<(), RunError> {
+        if let Some(&LoopFault { index, solutions }) = self.scratch.faults.first() {
+            let members = &self.program.loops[index].members;
+            let opened = members.last().map_or("", String::as_str);
+            let solutions = tell(solutions, opened);
+            return Err(RunError::Loop { members: members.join(", "), solutions, time: self.time });
+        }
+        match self.program.in_order().find(|outlet| self.registers[outlet.register.index()].is_nan()) {
+            Some(outlet) => {
+                Err(RunError::NotANumber { element: outlet.name.clone(), time: self.time, trace: None })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Lights the lamps of amplifiers that are asked for more than they can give.
+    pub(super) fn watch_amplifiers(&mut self) {
+        for lamp in &self.program.lamps {
+            let asked = self.registers[lamp.demand.index()].abs();
+            if asked > LAMP_LEVEL {
+                let before = self.trial_registers[lamp.demand.index()].abs();
+                let time = lit_at(self.last.time, before, self.time, asked);
+                light(&mut self.lamps[lamp.element], lamp.element, time, asked);
+            }
+        }
+    }
+
+    /// Lights the lamps of integrators that are held at ±100 V while they are driven on.
+    pub(super) fn watch_integrators(&mut self) {
+        let length = self.time - self.last.time;
+        for (index, state) in self.program.states.iter().enumerate() {
+            let outward = self.registers[state.demand.index()] * self.states[index].signum();
+            let held = self.last.states[index].abs() >= REFERENCE && outward > 0.0;
+            let pushed = &mut self.pushed[index];
+            *pushed = if held { *pushed + length * outward } else { 0.0 };
+            let asked = REFERENCE + *pushed;
+            if asked > LAMP_LEVEL {
+                light(&mut self.lamps[state.element], state.element, self.last.time, asked);
+            }
+        }
+    }
+}
+
+fn light(lamp: &mut Option<Lit>, element: usize, time: f64, asked: f64) {
+    let lit = lamp.get_or_insert(Lit { element, time, peak: asked });
+    lit.peak = lit.peak.max(asked);
+}
+
+/// When a demand passed the level: at the beginning of a stretch where it jumped there, else on the straight
+/// line between its ends.
+fn lit_at(begin: f64, before: f64, end: f64, after: f64) -> f64 {
+    if before > LAMP_LEVEL {
+        return begin;
+    }
+    let share = (LAMP_LEVEL - before) / (after - before);
+    if share < 1.0 { begin + share * (end - begin) } else { end }
+}
