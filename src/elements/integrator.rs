@@ -70,7 +70,7 @@ const STUCK: f64 = 0.0;
 
 fn brake(lowering: &mut Lowering<'_>, direction: ModeHandle, net: Register) -> Register {
     let level = lowering.sum("brake_x");
-    let (zero, out) = (lowering.constant(0.0), lowering.state());
+    let (zero, out) = (lowering.constant(0.0), lowering.own_output());
     let level = lowering.maximum(level, zero);
     for sign in [1.0, -1.0] {
         let along = lowering.constant(sign);
@@ -102,7 +102,7 @@ fn rebound(lowering: &mut Lowering<'_>, brake: Option<ModeHandle>, rate: Registe
     let gaps = lowering.inputs("gap");
     let gap = gaps.iter().copied().reduce(|a, b| lowering.minimum(a, b));
     let gap = gap.unwrap_or_else(|| lowering.constant(0.0));
-    let (zero, out) = (lowering.constant(0.0), lowering.state());
+    let (zero, out) = (lowering.constant(0.0), lowering.own_output());
     let thrown = thrown_back(lowering, out);
     let (overlap, slow) = (lowering.negate(gap), slowness(lowering, thrown));
     for sign in [1.0, -1.0] {

@@ -25,7 +25,7 @@ pub(super) static KIND: Kind = Kind {
 
 fn output_law(lowering: &mut Lowering<'_>) -> Register {
     let (start, rate, time) = (lowering.get("start"), lowering.get("rate"), lowering.time());
-    let run = match lowering.set("turn") {
+    let run = match lowering.optional("turn") {
         None => time,
         Some(turn) => turned(lowering, time, turn),
     };

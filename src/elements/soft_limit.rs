@@ -15,7 +15,7 @@ pub(super) const LIMIT_SETTINGS: &[Setting] = &[
 
 /// The output after the limiter, or the output itself where none is set.
 pub(super) fn apply(lowering: &mut Lowering<'_>, out: Register) -> Register {
-    let (upper, lower) = (lowering.set("limit.upper"), lowering.set("limit.lower"));
+    let (upper, lower) = (lowering.optional("limit.upper"), lowering.optional("limit.lower"));
     if upper.is_none() && lower.is_none() {
         return out;
     }

@@ -30,7 +30,7 @@ impl Lowering<'_> {
     /// The coefficient of a setting, made when it is first asked for.
     pub(super) fn coefficient(&mut self, name: &str) -> Option<u32> {
         let element = self.circuit.element(self.current);
-        let index = element.kind.setting(name)?;
+        let index = self.setting(name);
         if let Some(made) = self.settings.get(&(self.current, index)) {
             return Some(*made);
         }
@@ -48,12 +48,9 @@ impl Lowering<'_> {
         Some(made)
     }
 
-    pub(super) fn coefficient_or_zero(&mut self, name: &str) -> u32 {
-        if let Some(index) = self.coefficient(name) {
-            return index;
-        }
-        let zero = self.early(Op::Constant(0.0));
-        self.push_coefficient(zero, name.to_owned(), (0.0, 0.0))
+    /// The coefficient of a setting that is required or has a default.
+    pub(super) fn required(&mut self, name: &str) -> u32 {
+        self.coefficient(name).expect("a setting that is required or has a default is there")
     }
 
     /// A formula's value in volts, seconds or plain numbers: plain formulas of a drive stand in its unit.

@@ -16,7 +16,7 @@ impl<'c> Lowering<'c> {
         self.driven(name).into_iter().map(|(_, register)| register).collect()
     }
 
-    /// The voltage at an input of one jack.
+    /// The voltage at an input of one jack; ground where it is left open.
     pub fn input(&mut self, name: &str) -> Register {
         match self.inputs(name).first() {
             Some(register) => *register,
@@ -49,7 +49,8 @@ impl<'c> Lowering<'c> {
 
     fn driven(&self, name: &str) -> Vec<(f64, Register)> {
         let inputs = self.circuit.element(self.current).kind.inputs;
-        let Some(input) = inputs.iter().position(|input| input.name == name) else { return Vec::new() };
+        let input =
+            inputs.iter().position(|input| input.name == name).expect("a law names inputs of its kind");
         let cords = self.circuit.cords(self.current).into_iter().filter(|(_, cord)| cord.input == input);
         cords
             .map(|(from, cord)| {
@@ -60,14 +61,11 @@ impl<'c> Lowering<'c> {
 
     /// A setting as a voltage or number of the body, its default where the patch is silent.
     pub fn get(&mut self, name: &str) -> Register {
-        match self.set(name) {
-            Some(register) => register,
-            None => self.constant(0.0),
-        }
+        self.optional(name).expect("a setting that is required or has a default is there")
     }
 
     /// A setting that may be absent.
-    pub fn set(&mut self, name: &str) -> Option<Register> {
+    pub fn optional(&mut self, name: &str) -> Option<Register> {
         let index = self.coefficient(name)?;
         Some(self.emit(Op::Coefficient(index)))
     }
@@ -82,13 +80,17 @@ impl<'c> Lowering<'c> {
 
     pub(super) fn amount(&self, name: &str) -> Option<&'c Amount> {
         let element = self.circuit.element(self.current);
-        let index = element.kind.setting(name)?;
-        element.settings.get(index)?.as_ref().map(|placed| &placed.value)
+        element.settings[self.setting(name)].as_ref().map(|placed| &placed.value)
     }
 
     fn default(&self, name: &str) -> SettingDefault {
+        self.circuit.element(self.current).kind.settings[self.setting(name)].default
+    }
+
+    /// The index of a setting of the current element.
+    pub(super) fn setting(&self, name: &str) -> usize {
         let kind = self.circuit.element(self.current).kind;
-        kind.setting(name).map_or(SettingDefault::Absent, |index| kind.settings[index].default)
+        kind.setting(name).expect("a law names settings of its kind")
     }
 }
 
@@ -199,7 +201,7 @@ impl Lowering<'_> {
 
     /// A new state of the current element, starting at a setting.
     pub fn new_state(&mut self, initial: &str) -> Register {
-        let initial = self.coefficient_or_zero(initial);
+        let initial = self.required(initial);
         let index = self.program.states.len() as u32;
         let unset = Register(0);
         self.program.states.push(State { element: self.current, rate: unset, demand: unset, initial });
@@ -212,12 +214,9 @@ impl Lowering<'_> {
         *self.own_state.get(&self.current).expect("the element's output law makes its state")
     }
 
-    /// The output of the current element, once it is there.
-    pub fn state(&mut self) -> Register {
-        match self.outputs[self.current] {
-            Some(register) => register,
-            None => self.constant(0.0),
-        }
+    /// The output of the current element, for its memory law.
+    pub fn own_output(&self) -> Register {
+        self.outputs[self.current].expect("the output law comes before the memory law")
     }
 
     /// Sets d/dt of the current element's state, in volts per machine second. At ±100 V the state is held
@@ -237,7 +236,7 @@ impl Lowering<'_> {
 
     /// The limit of this sign: met from inside, left when driven inward or set inside by something else.
     fn limit(&mut self, held: ModeHandle, sign: f64, demand: Register) {
-        let (limit, out) = (self.constant(sign * REFERENCE), self.state());
+        let (limit, out) = (self.constant(sign * REFERENCE), self.own_output());
         let (past, short) = (self.subtract(out, limit), self.subtract(limit, out));
         let (over, inside) = if sign > 0.0 { (past, short) } else { (short, past) };
         let inward = if sign > 0.0 { self.negate(demand) } else { demand };
@@ -268,7 +267,7 @@ impl Lowering<'_> {
 
     /// A delay line of the current element, its time and initial output being settings.
     pub fn new_delay(&mut self, time: &str, initial: &str) -> Register {
-        let (time, initial) = (self.coefficient_or_zero(time), self.coefficient_or_zero(initial));
+        let (time, initial) = (self.required(time), self.required(initial));
         let index = self.program.delays.len() as u32;
         let problem_seconds = 1.0 / self.circuit.time_scale();
         let (element, input) = (self.current, Register(0));
