@@ -101,6 +101,8 @@ pub(crate) struct State {
 #[derive(Debug, Clone)]
 pub(crate) struct Mode {
     pub element: usize,
+    /// Whether it depends on time alone.
+    pub of_drive: bool,
     pub initial: f64,
     pub transitions: Vec<Transition>,
 }
@@ -230,8 +232,9 @@ pub struct Probe {
 pub(crate) const LAMP_LEVEL: f64 = REFERENCE * (1.0 + 1e-6);
 
 impl Program {
-    /// Carries out every change of mode that is due at these voltages, at most one of each mode; tells of each
-    /// by its index. The voltages have to be worked out again after it.
+    /// Carries out every change of mode that is due at these voltages, at most one of each mode, and tells of
+    /// each by its index: those of drives if any is due, else those of everything else, which should not act
+    /// on a voltage from before a jump. The voltages have to be worked out again after it.
     pub(crate) fn change_modes(
         &self,
         registers: &[f64],
@@ -239,16 +242,24 @@ impl Program {
         states: &mut [f64],
         mut changed: impl FnMut(usize),
     ) {
-        for (index, mode) in self.modes.iter().enumerate() {
-            let value = modes[index];
-            let due = |open: &&Transition| open.from == value && open.guard.holds(registers);
-            let Some(transition) = mode.transitions.iter().find(due) else { continue };
-            modes[index] = transition.to;
-            transition.sets.iter().for_each(|(other, value)| modes[*other as usize] = *value);
-            if let Some(reset) = transition.reset {
-                states[reset.state as usize] = registers[reset.to.index()];
+        let mut any = false;
+        for of_drive in [true, false] {
+            let those = self.modes.iter().enumerate().filter(|(_, mode)| mode.of_drive == of_drive);
+            for (index, mode) in those {
+                let value = modes[index];
+                let due = |open: &&Transition| open.from == value && open.guard.holds(registers);
+                let Some(transition) = mode.transitions.iter().find(due) else { continue };
+                modes[index] = transition.to;
+                transition.sets.iter().for_each(|(other, value)| modes[*other as usize] = *value);
+                if let Some(reset) = transition.reset {
+                    states[reset.state as usize] = registers[reset.to.index()];
+                }
+                any = true;
+                changed(index);
             }
-            changed(index);
+            if any {
+                return;
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::lower::Lowering;
 use super::{Delay, Guard, Mode, ModeHandle, Op, Register, State, Transition};
-use crate::elements::Default as SettingDefault;
+use crate::elements::{Default as SettingDefault, Family};
 use crate::machines::REFERENCE;
 use crate::patch::{Amount, Function};
 
@@ -249,7 +249,8 @@ impl Lowering<'_> {
     /// A new mode of the current element.
     pub fn new_mode(&mut self, initial: f64) -> ModeHandle {
         let index = self.program.modes.len() as u32;
-        self.program.modes.push(Mode { element: self.current, initial, transitions: Vec::new() });
+        let of_drive = self.circuit.element(self.current).kind.family == Family::Drive;
+        self.program.modes.push(Mode { element: self.current, of_drive, initial, transitions: Vec::new() });
         let mode = ModeHandle { index, value: self.emit(Op::Mode(index)) };
         self.own_mode.entry(self.current).or_insert(mode);
         mode
