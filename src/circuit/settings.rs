@@ -112,7 +112,7 @@ impl Checker<'_> {
             findings.push(too_large(&placed.value, placed.span));
             return None;
         }
-        if self.is_outside(row, value) {
+        if !row.allows(value) {
             findings.push(self.outside(row, placed, value));
             return None;
         }
@@ -167,12 +167,6 @@ impl Checker<'_> {
         }
     }
 
-    fn is_outside(&self, row: &Setting, value: f64) -> bool {
-        // A setting that is 1 but for the last bit is 1.
-        let slack = if row.measure == Measure::Fraction { ROUNDING } else { 0.0 };
-        value < row.range.0 - slack || value > row.range.1 + slack
-    }
-
     fn outside(&self, row: &Setting, placed: &Placed<Formula>, value: f64) -> Diagnostic {
         let (low, high) = row.range;
         let code = if row.measure == Measure::Fraction { Code::SettingOutside } else { Code::BadNumber };
@@ -197,7 +191,7 @@ impl Checker<'_> {
         let corners = self.corners(&named);
         let outside = corners.iter().find_map(|(quantities, at)| {
             let comes_to = match placed.value.evaluate(quantities) {
-                Ok(value) if !self.is_outside(row, value) => return None,
+                Ok(value) if row.allows(value) => return None,
                 Ok(value) => format!("would come to {}", told(value)),
                 Err(_) => "would have no value".to_owned(),
             };
@@ -272,12 +266,33 @@ fn is_of_signal(measure: Measure) -> bool {
     matches!(measure, Measure::Signal | Measure::SignalRate)
 }
 
-/// What rounding may add to a setting of 1.
-const ROUNDING: f64 = 1e-12;
 /// More parameters than this in one formula are not varied all at once.
 const MOST_VARIED: usize = 6;
 
 /// 1/s or 1/s2: what an integrator's gain per second turns into a pure number.
 fn is_rate(dimension: Dimension) -> bool {
     [1.0, 2.0].iter().any(|power| dimension == Dimension::NONE.over(Dimension::TIME.power(*power)))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::circuit::Circuit;
+    use crate::patch::{ElementBuilder, PatchBuilder, Report};
+    use crate::program::Program;
+    use crate::solve::Machine;
+
+    /// What is said of a pot at this setting, between a reference and a summer.
+    fn pot_at(builder: PatchBuilder, setting: &str) -> Result<Circuit, Box<Report>> {
+        let pot = ElementBuilder::new("pot").cord("in", "+100").set("setting", setting);
+        let summer = ElementBuilder::new("summer").cords("x1", ["P"]);
+        let patch = builder.element("P", pot).element("S", summer).scale("volt", 1.0, "V");
+        Circuit::new(&patch.signal("s", "S", "volt", 1.0).build().unwrap(), &[])
+    }
+
+    #[test]
+    fn a_setting_of_1_and_a_rounding_runs() {
+        let circuit = pot_at(PatchBuilder::new("full"), "0.1 * 3 / 0.3").unwrap();
+        let program = Program::new(&circuit).unwrap();
+        assert_eq!(Machine::new(&program, 1e-3).unwrap().voltage("P").unwrap(), 100.0 * (0.1 * 3.0 / 0.3));
+    }
 }

@@ -124,6 +124,9 @@ pub struct Setting {
     pub description: &'static str,
 }
 
+/// What rounding may add to a fraction.
+const ROUNDING: f64 = 1e-12;
+
 /// What a setting's value measures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measure {
@@ -297,6 +300,19 @@ impl Setting {
         Setting { range: (low, high), ..self }
     }
 
+    /// The range that a value worked out of formulas keeps to: a fraction may pass its ends by rounding, as a
+    /// pot at "0.1 * 3 / 0.3" does.
+    pub fn coefficient_range(&self) -> (f64, f64) {
+        let slack = if self.measure == Measure::Fraction { ROUNDING } else { 0.0 };
+        (self.range.0 - slack, self.range.1 + slack)
+    }
+
+    /// Whether a value may be set.
+    pub fn allows(&self, value: f64) -> bool {
+        let (low, high) = self.coefficient_range();
+        (low..=high).contains(&value)
+    }
+
     /// A setting that is a number: the unit in which its plain numbers stand.
     pub fn unit(&self) -> &'static str {
         match self.measure {
@@ -318,6 +334,15 @@ impl Setting {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_pot_may_be_set_to_1_and_a_rounding() {
+        let setting = Setting::required("setting", Measure::Fraction, "");
+        assert!([0.0, 0.5, 1.0, 0.1 * 3.0 / 0.3, -1e-13].iter().all(|value| setting.allows(*value)));
+        assert!([1.0 + 1e-9, -1e-9, f64::NAN].iter().all(|value| !setting.allows(*value)));
+        let drop = Setting::DIODE_DROP;
+        assert!(drop.allows(10.0) && !drop.allows(10.0 + 1e-13));
+    }
 
     #[test]
     fn gains_are_read_from_the_name_of_the_jack() {

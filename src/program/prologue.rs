@@ -43,7 +43,7 @@ impl Lowering<'_> {
             _ => return None,
         };
         let label = format!("{} {name}", element.name);
-        let made = self.push_coefficient(register, label, element.kind.settings[index].range);
+        let made = self.push_coefficient(register, label, element.kind.settings[index].coefficient_range());
         self.settings.insert((self.current, index), made);
         Some(made)
     }
