@@ -272,7 +272,7 @@ fn gain_of(prefix: &str, jack: &str) -> Option<f64> {
     let digits = jack.strip_prefix(prefix)?;
     let plain = !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit() || b == b'.');
     let gain: f64 = if plain { digits.parse().ok()? } else { return None };
-    (gain > 0.0).then_some(gain)
+    (gain > 0.0 && gain.is_finite()).then_some(gain)
 }
 
 impl Setting {
@@ -352,5 +352,6 @@ mod tests {
         for wrong in ["x", "x0", "x-1", "x1e3", "y1", "xten", "x1.2.3", "brake_x1"] {
             assert_eq!(gain_of("x", wrong), None, "{wrong}");
         }
+        assert_eq!(gain_of("x", &format!("x{}", "9".repeat(400))), None, "beyond the numbers");
     }
 }
