@@ -261,7 +261,7 @@ impl Kind {
         self.settings.iter().position(|setting| setting.name == name)
     }
 
-    /// Whether the output can change at once when an input does.
+    /// Whether it keeps something from one instant to the next: a charge, a position, a history.
     pub fn has_memory(&self) -> bool {
         self.memory_law.is_some()
     }
