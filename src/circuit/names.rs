@@ -29,10 +29,15 @@ fn twice(named: &[(&String, Span, &str)], findings: &mut Vec<Diagnostic>) {
     let mut seen: HashMap<&str, &str> = HashMap::new();
     for (name, span, noun) in named {
         if let Some(first) = seen.insert(name, noun) {
-            let message = format!("the {noun} {name} has the name of a {first}");
+            let message = format!("the {noun} {name} has the name of {}", with_article(first));
             findings.push(Diagnostic::at(Code::DuplicateName, *span, message).hint("rename one of them"));
         }
     }
+}
+
+fn with_article(noun: &str) -> String {
+    let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+    format!("{article} {noun}")
 }
 
 fn quantity_name(name: &str, span: Span, noun: &str, findings: &mut Vec<Diagnostic>) {
@@ -42,7 +47,7 @@ fn quantity_name(name: &str, span: Span, noun: &str, findings: &mut Vec<Diagnost
     if starts && plain && !reserved {
         return;
     }
-    let message = format!("\"{name}\" cannot name a {noun}");
+    let message = format!("\"{name}\" cannot name {}", with_article(noun));
     let hint = if reserved {
         "the name has a meaning of its own in formulas"
     } else {
@@ -58,7 +63,7 @@ fn outlet_name(name: &str, span: Span, noun: &str, findings: &mut Vec<Diagnostic
     if starts && plain && !reserved {
         return;
     }
-    let message = format!("\"{name}\" cannot name {} {noun}", if noun == "element" { "an" } else { "a" });
+    let message = format!("\"{name}\" cannot name {}", with_article(noun));
     let hint = if reserved {
         "the machine uses this name itself"
     } else {

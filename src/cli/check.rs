@@ -71,7 +71,7 @@ fn summary(circuit: &Circuit, program: &Program) -> String {
     let machine = circuit.machine();
     let parts = circuit.parts().iter().map(|(part, used)| match machine.count(*part) {
         Some(owned) => format!("{used} of {owned} {}", part.noun()),
-        None => format!("{used} {}", part.noun()),
+        None => part.counted(*used),
     });
     text += &format!("on the {}: {}\n", machine.name, parts.collect::<Vec<_>>().join(", "));
     for entry in program.loops() {

@@ -123,6 +123,13 @@ mod tests {
     }
 
     #[test]
+    fn one_part_is_told_in_the_singular() {
+        let told = [(0, "no summers"), (1, "1 summer"), (2, "2 summers")];
+        assert!(told.iter().all(|(count, text)| Part::Summer.counted(*count) == *text));
+        assert_eq!(Part::FixedPot.counted(1), "1 fixed pot");
+    }
+
+    #[test]
     fn the_roomy_machine_has_no_limits() {
         let machine = find("unlimited").unwrap();
         assert!(Part::ALL.iter().all(|part| machine.count(*part).is_none()));
