@@ -9,6 +9,8 @@ mod scope;
 mod settings;
 mod signals;
 
+use std::collections::BTreeSet;
+
 use petgraph::Direction;
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef as _;
@@ -148,18 +150,13 @@ impl Circuit {
         cords.into_iter().map(|(_, from, cord)| (from, cord)).collect()
     }
 
-    /// The elements that read an element's output.
-    pub fn readers(&self, element: usize) -> Vec<usize> {
-        let mut readers: Vec<_> =
-            self.graph.neighbors(NodeIndex::new(element)).map(NodeIndex::index).collect();
-        readers.sort_unstable();
-        readers.dedup();
-        readers
-    }
-
     /// For every element, those that read it.
     pub(crate) fn all_readers(&self) -> Vec<Vec<usize>> {
-        (0..self.graph.node_count()).map(|element| self.readers(element)).collect()
+        let readers = |element| {
+            let readers: BTreeSet<_> = self.graph.neighbors(element).map(NodeIndex::index).collect();
+            readers.into_iter().collect()
+        };
+        self.graph.node_indices().map(readers).collect()
     }
 
     /// The order in which voltages are worked out.

@@ -19,7 +19,6 @@ pub(super) fn entry(named: &tree::Entry, family: Family, findings: &mut Findings
         empty_jacks: Vec::new(),
         doubtful: false,
         settings: vec![None; kind.settings.len()],
-        unreadable: Vec::new(),
         uses: Vec::new(),
         scale: None,
         note: fields.text("note", findings),
@@ -130,12 +129,7 @@ fn settings(fields: &mut Fields<'_>, prefix: &str, entry: &mut Entry, findings: 
             Default::Required => fields.need(key, setting.description),
             _ => fields.take(key),
         };
-        match node.map(|node| amount(node, key, setting.measure, findings)) {
-            Some(Some(amount)) => entry.settings[index] = Some(amount),
-            Some(None) => entry.unreadable.push(index),
-            None if setting.default == Default::Required => entry.unreadable.push(index),
-            None => {}
-        }
+        entry.settings[index] = node.and_then(|node| amount(node, key, setting.measure, findings));
     }
 }
 

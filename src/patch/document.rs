@@ -91,8 +91,6 @@ pub struct Entry {
     pub doubtful: bool,
     /// Its settings, in the order of the kind's; `None` where the patch says nothing.
     pub settings: Vec<Option<Placed<Amount>>>,
-    /// Settings that stand there and could not be read: reported, and not to be reported again.
-    pub unreadable: Vec<usize>,
     /// Names of the machine's parts that it lists, by key of the part.
     pub uses: Vec<(Placed<String>, Vec<Placed<String>>)>,
     /// The scale of a drive.

@@ -38,11 +38,6 @@ impl Unit {
         Ok(Self { text: text.to_owned(), factor, dimension: dimension_of(&factors), factors })
     }
 
-    /// The unit of pure numbers, written `1`.
-    pub fn pure_number() -> Self {
-        Self { text: "1".to_owned(), factor: 1.0, dimension: Dimension::NONE, factors: Vec::new() }
-    }
-
     /// The text of the unit, as it was written.
     pub fn text(&self) -> &str {
         &self.text
