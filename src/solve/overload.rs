@@ -27,32 +27,63 @@ pub(super) struct Lit {
 pub(super) fn history(program: &Program, lamps: &[Option<Lit>]) -> Vec<Overload> {
     let mut lit: Vec<Lit> = lamps.iter().flatten().copied().collect();
     lit.sort_by(|a, b| a.time.total_cmp(&b.time));
-    let told = lit.iter().enumerate().map(|(index, lamp)| Overload {
+    let elements: Vec<usize> = lit.iter().map(|lamp| lamp.element).collect();
+    let told = lit.iter().zip(causes(&program.readers, &elements)).map(|(lamp, cause)| Overload {
         element: program.name(lamp.element).to_owned(),
         time: lamp.time,
         peak: lamp.peak,
-        caused_by: cause(program, &lit[..index], lamp).map(|cause| program.name(cause.element).to_owned()),
+        caused_by: cause.map(|cause| program.name(elements[cause]).to_owned()),
     });
     told.collect()
 }
 
-fn cause(program: &Program, earlier: &[Lit], lamp: &Lit) -> Option<Lit> {
-    earlier.iter().copied().find(|cause| reaches(program, cause.element, lamp.element))
+/// For each lamp, in the order in which they lit: the first before it from which a chain of cords leads to it.
+fn causes(readers: &[Vec<usize>], lit: &[usize]) -> Vec<Option<usize>> {
+    let mut first = vec![None; readers.len()];
+    for (lamp, element) in lit.iter().enumerate() {
+        flood(readers, *element, lamp, &mut first);
+    }
+    let before_itself = |(lamp, element): (usize, &usize)| first[*element].filter(|cause| *cause < lamp);
+    lit.iter().enumerate().map(before_itself).collect()
 }
 
-/// Whether a chain of cords leads from one element to another.
-fn reaches(program: &Program, from: usize, to: usize) -> bool {
-    let mut seen = vec![false; program.readers.len()];
+/// Marks what a lamp's amplifier drives. Where an earlier lamp has been, it has been everywhere from there on.
+fn flood(readers: &[Vec<usize>], from: usize, lamp: usize, first: &mut [Option<usize>]) {
     let mut open = vec![from];
     while let Some(element) = open.pop() {
-        for reader in &program.readers[element] {
-            if *reader == to {
-                return true;
-            }
-            if !std::mem::replace(&mut seen[*reader], true) {
+        for reader in &readers[element] {
+            if first[*reader].is_none() {
+                first[*reader] = Some(lamp);
                 open.push(*reader);
             }
         }
     }
-    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cause_is_the_earliest_lamp_upstream() {
+        // 0 drives 1 drives 2, and 3 drives 2.
+        let readers = [vec![1], vec![2], vec![], vec![2]];
+        assert_eq!(causes(&readers, &[0, 1, 2, 3]), [None, Some(0), Some(0), None]);
+        assert_eq!(causes(&readers, &[3, 1, 0, 2]), [None, None, None, Some(0)]);
+        assert_eq!(causes(&readers, &[2, 1, 0]), [None, None, None]);
+    }
+
+    #[test]
+    fn in_a_ring_the_first_lamp_causes_the_others() {
+        let ring = [vec![1], vec![2], vec![0]];
+        assert_eq!(causes(&ring, &[1, 0, 2]), [None, Some(0), Some(0)]);
+    }
+
+    #[test]
+    fn a_long_chain_of_lamps_is_walked_once() {
+        let length = 200_000;
+        let readers: Vec<_> = (0..length).map(|at| if at + 1 < length { vec![at + 1] } else { vec![] }).collect();
+        let lit: Vec<_> = (0..length).rev().collect();
+        assert!(causes(&readers, &lit).iter().all(Option::is_none));
+    }
 }
