@@ -1,5 +1,6 @@
 //! Settings: their units, their values now, and over the ranges of their parameters.
 
+use petgraph::Direction;
 use petgraph::graph::NodeIndex;
 
 use super::resolve::Graph;
@@ -23,36 +24,34 @@ pub(super) fn check(
     cords: Cords,
     findings: &mut Vec<Diagnostic>,
 ) {
+    let before_integrators = before_integrators(graph, cords);
     // The graph holds the references first, then drives and elements in the order of the document.
     let outlets = graph.node_indices().skip(REFERENCES.len());
     for (index, (name, entry)) in outlets.zip(patch.drives.iter().chain(&patch.elements)) {
-        let before_integrator = feeds_integrator(graph, index, cords);
+        let before_integrator = before_integrators[index.index()];
         let scale = entry.scale.as_ref().and_then(|scale| patch.scales.get_index_of(&scale.value));
         let checker = Checker { name, entry, patch, quantities, before_integrator, scale };
         checker.all(findings);
     }
 }
 
-/// Whether a voltage goes into an integrator, directly or through pots.
-fn feeds_integrator(graph: &Graph, from: NodeIndex, cords: Cords) -> bool {
-    let mut seen = vec![from];
-    let mut next = 0;
-    while let Some(index) = seen.get(next).copied() {
-        next += 1;
-        if cords == Cords::Doubtful && graph.neighbors(index).next().is_none() {
-            return true;
-        }
-        for reader in graph.neighbors(index) {
-            let kind = graph[reader].kind;
-            if kind.output == Output::Integrator {
-                return true;
-            }
-            if is_pot(kind) && !seen.contains(&reader) {
-                seen.push(reader);
+/// For every element, whether its voltage goes into an integrator, directly or through pots.
+fn before_integrators(graph: &Graph, cords: Cords) -> Vec<bool> {
+    let mut before = vec![false; graph.node_count()];
+    let may_feed_one =
+        |index: &NodeIndex| cords == Cords::Doubtful && graph.neighbors(*index).next().is_none();
+    let mut open: Vec<_> = graph.node_indices().filter(may_feed_one).collect();
+    open.iter().for_each(|index| before[index.index()] = true);
+    open.retain(|index| is_pot(graph[*index].kind));
+    open.extend(graph.node_indices().filter(|index| graph[*index].kind.output == Output::Integrator));
+    while let Some(index) = open.pop() {
+        for driver in graph.neighbors_directed(index, Direction::Incoming) {
+            if !std::mem::replace(&mut before[driver.index()], true) && is_pot(graph[driver].kind) {
+                open.push(driver);
             }
         }
     }
-    false
+    before
 }
 
 fn is_pot(kind: &Kind) -> bool {
@@ -294,5 +293,24 @@ mod tests {
         let circuit = pot_at(PatchBuilder::new("full"), "0.1 * 3 / 0.3").unwrap();
         let program = Program::new(&circuit).unwrap();
         assert_eq!(Machine::new(&program, 1e-3).unwrap().voltage("P").unwrap(), 100.0 * (0.1 * 3.0 / 0.3));
+    }
+
+    /// A chain of pots, each at a rate, into an amplifier of a kind.
+    fn chain(length: usize, kind: &str) -> Result<Circuit, Box<Report>> {
+        let pot = |at: usize| {
+            let driver = if at == 0 { "+100".to_owned() } else { format!("P{}", at - 1) };
+            ElementBuilder::new("pot").cord("in", &driver).set("setting", "w")
+        };
+        let builder = PatchBuilder::new("chain").parameter("w", 0.5, "1/s", [0.1, 1.0]).scale("volt", 1.0, "V");
+        let builder = (0..length).fold(builder, |builder, at| builder.element(&format!("P{at}"), pot(at)));
+        let last = format!("P{}", length - 1);
+        let builder = builder.element("A", ElementBuilder::new(kind).cords("x1", [last.as_str()]));
+        Circuit::new(&builder.signal("a", "A", "volt", 1.0).build().unwrap(), &[])
+    }
+
+    #[test]
+    fn every_pot_of_a_chain_into_an_integrator_may_be_a_rate() {
+        chain(3000, "integrator").unwrap_or_else(|report| panic!("{report}"));
+        assert_eq!(chain(3, "summer").unwrap_err().findings.len(), 3);
     }
 }
