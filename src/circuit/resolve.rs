@@ -27,7 +27,7 @@ pub(super) fn circuit(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
     let stages = loops::stages(&graph, &mut findings);
     // An element that nothing reads is often the other end of what was just reported.
     if !any_error(&findings) {
-        unused(&graph, &points, &mut findings);
+        unused(patch, &graph, &mut findings);
     }
     let report = Report::new(patch.file(), patch.text(), findings);
     if report.has_errors() {
@@ -253,17 +253,46 @@ fn gains(machine: &Machine, kind: &Kind) -> &'static [f64] {
     if kind.output == Output::Integrator { machine.integrator_gains } else { machine.summer_gains }
 }
 
-/// Warns of elements whose output nothing reads and nobody records.
-fn unused(graph: &Graph, points: &[super::SignalPoint], findings: &mut Vec<Diagnostic>) {
-    let named = points.iter().filter(|point| point.name != graph[NodeIndex::new(point.element)].name);
-    let named: HashSet<usize> = named.map(|point| point.element).collect();
+/// Warns of elements whose output nothing reads, records or draws.
+fn unused(patch: &Patch, graph: &Graph, findings: &mut Vec<Diagnostic>) {
+    let read_at = patch.signals.values().map(|signal| &signal.at);
+    let drawn = patch.pictures.iter().flat_map(|picture| picture.y.iter().chain([&picture.x]));
+    let named: HashSet<&str> =
+        read_at.chain(&patch.record).chain(drawn).map(|name| name.value.as_str()).collect();
     for index in graph.node_indices() {
         let element = &graph[index];
         let Some(span) = element.span else { continue };
-        if graph.neighbors(index).next().is_none() && !named.contains(&index.index()) {
+        if graph.neighbors(index).next().is_none() && !named.contains(element.name.as_str()) {
             let message = format!("nothing reads {}", element.name);
             let hint = "name a signal at it, plug it in somewhere, or leave it out";
             findings.push(Diagnostic::at(Code::UnusedElement, span, message).hint(hint));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::circuit::Circuit;
+    use crate::patch::{Code, Patch};
+
+    /// The codes of what is said of a summer and a drive that no cord leaves.
+    fn told_of(asked: &str) -> Vec<Code> {
+        let text = format!(
+            r#"{{"patchcord": 1, "scales": {{"volt": {{"per_volt": 1, "unit": "V"}}}},
+                "drives": {{"D": {{"kind": "step", "height": 1, "scale": "volt"}},
+                           "E": {{"kind": "step", "height": 1, "scale": "volt"}}}},
+                "elements": {{"S": {{"kind": "summer", "in": {{"x1": ["E"]}}}}}}, {asked}}}"#
+        );
+        let circuit = Circuit::new(&Patch::parse("p.json", &text).unwrap(), &[]);
+        circuit.unwrap_or_else(|report| panic!("{report}")).warnings().findings.iter().map(|f| f.code).collect()
+    }
+
+    #[test]
+    fn what_is_recorded_or_drawn_is_read() {
+        let drawn = r#""pictures": [{"x": "S", "y": ["D"]}]"#;
+        assert_eq!(told_of(drawn), []);
+        assert_eq!(told_of(r#""record": ["D", "S"]"#), [Code::UnscaledSignal]);
+        assert_eq!(told_of(r#""record": ["D"]"#), [Code::UnusedElement]);
+        assert_eq!(told_of(r#""record": []"#), [Code::UnusedElement; 2]);
     }
 }
