@@ -197,12 +197,18 @@ pub(crate) fn any_error(findings: &[Diagnostic]) -> bool {
     findings.iter().any(|finding| finding.code.severity() == Severity::Error)
 }
 
-/// "did you mean" for a mistyped name, or else the list of what is known.
+/// More known names than this are not listed.
+const MOST_LISTED: usize = 10;
+
+/// "did you mean" for a mistyped name, or else what is known, ten names at most.
 pub fn suggestion(name: &str, known: &[&str]) -> Option<String> {
     if let Some(near) = nearest(name, known.iter().copied()) {
         return Some(format!("did you mean \"{near}\"?"));
     }
-    (!known.is_empty()).then(|| format!("known here: {}", known.join(", ")))
+    let listed = known.iter().take(MOST_LISTED).copied();
+    let more = (known.len() > MOST_LISTED).then_some("...");
+    let listed: Vec<_> = listed.chain(more).collect();
+    (!known.is_empty()).then(|| format!("known here: {}", listed.join(", ")))
 }
 
 #[cfg(test)]
@@ -250,5 +256,8 @@ mod tests {
     fn a_near_name_is_offered_or_else_all() {
         assert_eq!(suggestion("sumer", &["summer", "pot"]).unwrap(), "did you mean \"summer\"?");
         assert_eq!(suggestion("relay", &["summer", "pot"]).unwrap(), "known here: summer, pot");
+        let many = ["a"; 11];
+        assert!(suggestion("relay", &many[..10]).unwrap().ends_with("a, a"));
+        assert!(suggestion("relay", &many).unwrap().ends_with("a, a, ..."));
     }
 }
