@@ -284,7 +284,13 @@ mod tests {
                 "elements": {{"S": {{"kind": "summer", "in": {{"x1": ["E"]}}}}}}, {asked}}}"#
         );
         let circuit = Circuit::new(&Patch::parse("p.json", &text).unwrap(), &[]);
-        circuit.unwrap_or_else(|report| panic!("{report}")).warnings().findings.iter().map(|f| f.code).collect()
+        circuit
+            .unwrap_or_else(|report| panic!("{report}"))
+            .warnings()
+            .findings
+            .iter()
+            .map(|f| f.code)
+            .collect()
     }
 
     #[test]

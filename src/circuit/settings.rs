@@ -138,15 +138,14 @@ impl Checker<'_> {
     }
 
     fn fits(&self, measure: Measure, found: Dimension) -> bool {
-        let per_second = Dimension::NONE.over(Dimension::TIME);
         let unit = self.unit().map_or(Dimension::NONE, Unit::dimension);
         match measure {
-            Measure::Fraction => found.is_none() || (self.before_integrator && is_rate(found)),
+            Measure::Fraction => found.is_none() || (self.before_integrator && found == Dimension::FREQUENCY),
             Measure::Volts => found.is_none() || found == Dimension::VOLTAGE,
             Measure::MachineSeconds | Measure::Seconds => found == Dimension::TIME,
-            Measure::Hertz => found == per_second,
+            Measure::Hertz => found == Dimension::FREQUENCY,
             Measure::Signal => found == unit,
-            Measure::SignalRate => found == unit.times(per_second),
+            Measure::SignalRate => found == unit.over(Dimension::TIME),
             _ => found.is_none(),
         }
     }
@@ -268,11 +267,6 @@ fn is_of_signal(measure: Measure) -> bool {
 /// More parameters than this in one formula are not varied all at once.
 const MOST_VARIED: usize = 6;
 
-/// 1/s or 1/s2: what an integrator's gain per second turns into a pure number.
-fn is_rate(dimension: Dimension) -> bool {
-    [1.0, 2.0].iter().any(|power| dimension == Dimension::NONE.over(Dimension::TIME.power(*power)))
-}
-
 #[cfg(test)]
 mod tests {
     use crate::circuit::Circuit;
@@ -301,7 +295,8 @@ mod tests {
             let driver = if at == 0 { "+100".to_owned() } else { format!("P{}", at - 1) };
             ElementBuilder::new("pot").cord("in", &driver).set("setting", "w")
         };
-        let builder = PatchBuilder::new("chain").parameter("w", 0.5, "1/s", [0.1, 1.0]).scale("volt", 1.0, "V");
+        let builder =
+            PatchBuilder::new("chain").parameter("w", 0.5, "1/s", [0.1, 1.0]).scale("volt", 1.0, "V");
         let builder = (0..length).fold(builder, |builder, at| builder.element(&format!("P{at}"), pot(at)));
         let last = format!("P{}", length - 1);
         let builder = builder.element("A", ElementBuilder::new(kind).cords("x1", [last.as_str()]));

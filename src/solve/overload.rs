@@ -82,7 +82,8 @@ mod tests {
     #[test]
     fn a_long_chain_of_lamps_is_walked_once() {
         let length = 200_000;
-        let readers: Vec<_> = (0..length).map(|at| if at + 1 < length { vec![at + 1] } else { vec![] }).collect();
+        let readers: Vec<_> =
+            (0..length).map(|at| if at + 1 < length { vec![at + 1] } else { vec![] }).collect();
         let lit: Vec<_> = (0..length).rev().collect();
         assert!(causes(&readers, &lit).iter().all(Option::is_none));
     }
