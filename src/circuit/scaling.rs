@@ -1,6 +1,10 @@
 //! The audit of amplitude scaling: computer gain = input scale x block gain / output scale (eq. 4-8).
 
-use super::{Circuit, SignalPoint};
+use std::collections::{HashMap, HashSet};
+
+use indexmap::IndexMap;
+
+use super::{Circuit, Cord, SignalPoint};
 use crate::elements::{Default, Jacks, Measure, Output};
 use crate::patch::{Amount, Dimension, Scope as _};
 
@@ -38,97 +42,174 @@ impl ScalingRow {
 
 /// Every stretch of linear wiring between scaled signals, in the order of the signals at its end.
 pub(super) fn audit(circuit: &Circuit) -> Vec<ScalingRow> {
+    let wiring = Wiring::new(circuit);
     let mut rows = Vec::new();
     for output in circuit.signals().iter().filter(|point| point.scale.is_some()) {
-        let mut walk = Walk { circuit, path: Vec::new(), found: Vec::new() };
-        walk.back(output.element, 1.0, 0);
-        rows.extend(walk.found.into_iter().filter_map(|stretch| row(circuit, output, &stretch)));
+        let stretches = wiring.stretches(output.element);
+        rows.extend(stretches.iter().filter_map(|stretch| row(circuit, output, stretch)));
     }
     rows
 }
 
-/// Linear wiring back to the nearest scaled signal.
-struct Stretch {
-    input: SignalPoint,
+/// Linear wiring back to the nearest scaled signal. Several ways between the same two count as one.
+struct Stretch<'c> {
+    input: &'c SignalPoint,
     gain: f64,
-    integrations: i32,
+    integrations: usize,
 }
 
-struct Walk<'c> {
-    circuit: &'c Circuit,
-    path: Vec<usize>,
-    found: Vec<Stretch>,
+/// More integrations than this between two scaled signals are not followed.
+const MOST_INTEGRATIONS: usize = 2;
+
+/// The gain on the way to the output through each number of integrators, where there is a way.
+type Gains = [Option<f64>; MOST_INTEGRATIONS + 1];
+
+/// What drives an element that is linear in it.
+struct Source {
+    from: usize,
+    gain: f64,
+    integrates: bool,
 }
 
-impl Walk<'_> {
-    /// Follows the cords into an element, given the gain and integrations from its output on.
-    fn back(&mut self, element: usize, gain: f64, integrations: i32) {
-        if self.path.contains(&element) {
-            return;
+impl Source {
+    /// The gains from the source on, given those from the element's output on.
+    fn before(&self, after: &Gains) -> Gains {
+        let mut gains = after.map(|gain| gain.map(|gain| gain * self.gain));
+        if self.integrates {
+            gains.rotate_right(1);
+            gains[0] = None;
         }
-        self.path.push(element);
-        for (from, cord) in self.circuit.cords(element) {
-            let Some((own, integrates)) = self.linear_gain(element, cord) else { continue };
-            let (gain, integrations) = (gain * own, integrations + i32::from(integrates));
-            match scaled_signal(self.circuit, from) {
-                Some(input) => self.note(input, gain, integrations),
-                None => self.back(from, gain, integrations),
+        gains
+    }
+}
+
+fn add(sums: &mut Gains, gains: &Gains) {
+    for (sum, gain) in sums.iter_mut().zip(gains) {
+        *sum = gain.map(|gain| sum.unwrap_or(0.0) + gain).or(*sum);
+    }
+}
+
+/// The linear part of a circuit.
+struct Wiring<'c> {
+    /// What drives each element.
+    sources: Vec<Vec<Source>>,
+    /// The first scaled signal at each element.
+    scaled: Vec<Option<&'c SignalPoint>>,
+}
+
+impl<'c> Wiring<'c> {
+    fn new(circuit: &'c Circuit) -> Self {
+        let elements = circuit.elements().len();
+        let mut scaled = vec![None; elements];
+        for point in circuit.signals().iter().filter(|point| point.scale.is_some()) {
+            scaled[point.element].get_or_insert(point);
+        }
+        Wiring { sources: (0..elements).map(|element| sources(circuit, element)).collect(), scaled }
+    }
+
+    fn stretches(&self, output: usize) -> Vec<Stretch<'c>> {
+        let Behind { elements, mut inputs } = Behind::of(self, output);
+        let rank: HashMap<usize, usize> = elements.iter().enumerate().map(|(at, one)| (*one, at)).collect();
+        let mut reached = vec![Gains::default(); elements.len()];
+        reached[0][0] = Some(1.0);
+        for (at, element) in elements.iter().enumerate() {
+            let after = reached[at];
+            for source in &self.sources[*element] {
+                let before = source.before(&after);
+                if let Some(gains) = inputs.get_mut(&source.from) {
+                    add(gains, &before);
+                } else if rank[&source.from] > at {
+                    add(&mut reached[rank[&source.from]], &before);
+                }
             }
         }
-        self.path.pop();
+        inputs.iter().flat_map(|(element, gains)| self.stretches_from(*element, gains)).collect()
     }
 
-    /// Several ways between the same two signals count as one.
-    fn note(&mut self, input: &SignalPoint, gain: f64, integrations: i32) {
-        let same =
-            |stretch: &&mut Stretch| stretch.input.name == input.name && stretch.integrations == integrations;
-        match self.found.iter_mut().find(same) {
-            Some(stretch) => stretch.gain += gain,
-            None => self.found.push(Stretch { input: input.clone(), gain, integrations }),
-        }
-    }
-
-    /// The gain from an input to the output, if the element is linear, and whether it integrates.
-    fn linear_gain(&self, element: usize, cord: super::Cord) -> Option<(f64, bool)> {
-        let element = self.circuit.element(element);
-        let main = cord.input == 0;
-        let gains = element.kind.inputs[0].jacks == Jacks::Gains;
-        let limited = element.settings.iter().zip(element.kind.settings).any(|(value, row)| {
-            value.is_some() && row.measure == Measure::Volts && row.default == Default::Absent
-        });
-        let fraction = element.kind.settings.iter().position(|row| row.measure == Measure::Fraction);
-        match (element.kind.output, fraction) {
-            (Output::Integrator, _) if main => Some((-cord.gain, true)),
-            (Output::Amplifier, _) if main && gains && !limited => Some((-cord.gain, false)),
-            (Output::Passive, Some(setting)) if element.kind.inputs.len() == 1 => Some((
-                self.setting(element.settings.get(setting)?.as_ref().map(|placed| &placed.value)?)?,
-                false,
-            )),
-            _ => None,
-        }
-    }
-
-    fn setting(&self, amount: &Amount) -> Option<f64> {
-        match amount {
-            Amount::Formula(formula) => formula.evaluate(self.circuit.quantities()).ok(),
-            _ => None,
-        }
+    fn stretches_from(&self, element: usize, gains: &Gains) -> Vec<Stretch<'c>> {
+        let Some(input) = self.scaled[element] else { return Vec::new() };
+        let stretch = |(integrations, gain): (usize, &Option<f64>)| {
+            gain.map(|gain| Stretch { input, gain, integrations })
+        };
+        gains.iter().enumerate().filter_map(stretch).collect()
     }
 }
 
-fn scaled_signal(circuit: &Circuit, element: usize) -> Option<&SignalPoint> {
-    circuit.signals().iter().find(|point| point.element == element && point.scale.is_some())
+/// What lies behind an output, back to the nearest scaled signals.
+struct Behind {
+    /// Elements without a scaled signal (and the output's), each before those that drive it; a cord that closes
+    /// a ring goes against the order.
+    elements: Vec<usize>,
+    /// The elements with scaled signals, in the order in which cords lead to them.
+    inputs: IndexMap<usize, Gains>,
 }
 
-fn row(circuit: &Circuit, output: &SignalPoint, stretch: &Stretch) -> Option<ScalingRow> {
-    let (input_scale, input_unit) = volt(circuit, &stretch.input)?;
+impl Behind {
+    fn of(wiring: &Wiring<'_>, output: usize) -> Self {
+        let mut behind = Behind { elements: Vec::new(), inputs: IndexMap::new() };
+        let mut seen = HashSet::from([output]);
+        let mut open = vec![(output, wiring.sources[output].iter())];
+        while let Some((element, sources)) = open.last_mut() {
+            match sources.next() {
+                None => {
+                    behind.elements.push(*element);
+                    open.pop();
+                }
+                Some(Source { from, .. }) if wiring.scaled[*from].is_some() => {
+                    behind.inputs.entry(*from).or_default();
+                }
+                Some(Source { from, .. }) if seen.insert(*from) => {
+                    open.push((*from, wiring.sources[*from].iter()));
+                }
+                Some(_) => {}
+            }
+        }
+        behind.elements.reverse();
+        behind
+    }
+}
+
+fn sources(circuit: &Circuit, element: usize) -> Vec<Source> {
+    let cords = circuit.cords(element).into_iter();
+    let source = |(from, cord)| {
+        let (gain, integrates) = linear_gain(circuit, element, cord)?;
+        Some(Source { from, gain, integrates })
+    };
+    cords.filter_map(source).collect()
+}
+
+/// The gain from an input to the output, if the element is linear, and whether it integrates.
+fn linear_gain(circuit: &Circuit, element: usize, cord: Cord) -> Option<(f64, bool)> {
+    let element = circuit.element(element);
+    let main = cord.input == 0;
+    let gains = element.kind.inputs[0].jacks == Jacks::Gains;
+    let limited = element.settings.iter().zip(element.kind.settings).any(|(value, row)| {
+        value.is_some() && row.measure == Measure::Volts && row.default == Default::Absent
+    });
+    let fraction = element.kind.settings.iter().position(|row| row.measure == Measure::Fraction);
+    match (element.kind.output, fraction) {
+        (Output::Integrator, _) if main => Some((-cord.gain, true)),
+        (Output::Amplifier, _) if main && gains && !limited => Some((-cord.gain, false)),
+        (Output::Passive, Some(setting)) if element.kind.inputs.len() == 1 => {
+            let Amount::Formula(formula) = &element.settings.get(setting)?.as_ref()?.value else {
+                return None;
+            };
+            Some((formula.evaluate(circuit.quantities()).ok()?, false))
+        }
+        _ => None,
+    }
+}
+
+fn row(circuit: &Circuit, output: &SignalPoint, stretch: &Stretch<'_>) -> Option<ScalingRow> {
+    let (input_scale, input_unit) = volt(circuit, stretch.input)?;
     let (output_scale, output_unit) = volt(circuit, output)?;
     if input_scale == 0.0 || output_scale == 0.0 {
         return None;
     }
-    let per_second = circuit.time_scale().powi(stretch.integrations);
+    let integrations = i32::try_from(stretch.integrations).ok()?;
+    let per_second = circuit.time_scale().powi(integrations);
     let block_gain = stretch.gain * per_second * output_scale / input_scale;
-    let seconds = Dimension::TIME.power(f64::from(stretch.integrations));
+    let seconds = Dimension::TIME.power(f64::from(integrations));
     let dimension = output_unit.over(input_unit).over(seconds);
     let block = Block::find(circuit, dimension, block_gain);
     let wanted = block
@@ -264,5 +345,43 @@ mod tests {
         let row = row("k / m * position / velocity / 10 / time_scale", "x");
         assert_eq!(row.block.as_deref(), Some("1"));
         assert!((row.difference().unwrap() + 0.9).abs() < 1e-9, "{row:?}");
+    }
+    fn summer(from: &[String]) -> ElementBuilder {
+        ElementBuilder::new("summer").set("in", serde_json::json!({ "x1": from }))
+    }
+
+    fn gains_at(builder: PatchBuilder, last: &str) -> Vec<f64> {
+        let builder = builder.signal("out", last, "volt", 1.0);
+        let circuit =
+            Circuit::new(&builder.build().unwrap(), &[]).unwrap_or_else(|report| panic!("{report}"));
+        circuit.scaling().iter().map(|row| row.computer_gain).collect()
+    }
+
+    /// A drive behind pairs of summers, each summer driven by both of the pair before.
+    fn ladder(pairs: usize) -> PatchBuilder {
+        let step = ElementBuilder::new("step").set("height", 1);
+        let builder = PatchBuilder::new("ladder").scale("volt", 1.0, "V").drive("D", "volt", step);
+        (0..pairs).fold(builder, |builder, at| {
+            let from = match at {
+                0 => vec!["D".to_owned()],
+                _ => vec![format!("A{}", at - 1), format!("B{}", at - 1)],
+            };
+            builder.element(&format!("A{at}"), summer(&from)).element(&format!("B{at}"), summer(&from))
+        })
+    }
+
+    #[test]
+    fn every_way_of_a_ladder_counts() {
+        assert_eq!(gains_at(ladder(24), "A23"), [2f64.powi(23)]);
+    }
+
+    #[test]
+    fn a_long_chain_is_followed_to_its_end() {
+        let step = ElementBuilder::new("step").set("height", 1);
+        let builder = PatchBuilder::new("chain").scale("volt", 1.0, "V").drive("S0", "volt", step);
+        let chain = (1..=20_000).fold(builder, |builder, at| {
+            builder.element(&format!("S{at}"), summer(&[format!("S{}", at - 1)]))
+        });
+        assert_eq!(gains_at(chain, "S20000"), [1.0]);
     }
 }
