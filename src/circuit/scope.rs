@@ -1,8 +1,14 @@
 //! The quantities that formulas may name: parameters, scales, the time scale.
 
+use std::collections::{BTreeSet, HashMap, HashSet};
+
+use indexmap::IndexMap;
+use petgraph::algo::kosaraju_scc;
+use petgraph::graph::{DiGraph, NodeIndex};
+
 use crate::patch::{
     Code, Diagnostic, Dimension, Formula, FormulaError, FormulaMeasure, Lost, Parameter, Patch, Placed,
-    Scope, Span, Unit, suggestion, told,
+    Scale, Scope, Span, Unit, suggestion, told,
 };
 
 /// Name under which formulas reach the machine seconds per problem second.
@@ -11,16 +17,17 @@ pub(crate) const TIME_SCALE: &str = "time_scale";
 /// Values and units of everything that formulas may name.
 #[derive(Debug, Clone)]
 pub struct Quantities {
-    parameters: Vec<Named>,
-    scales: Vec<Named>,
+    parameters: IndexMap<String, Named>,
+    scales: IndexMap<String, Named>,
     formulas: Vec<Formula>,
+    /// The scales that can be worked out, each after those that it names.
+    order: Vec<usize>,
     time_scale: f64,
     lost: Lost,
 }
 
 #[derive(Debug, Clone)]
 struct Named {
-    name: String,
     unit: Unit,
     /// In SI; `None` where it could not be worked out, which has been reported.
     value: Option<f64>,
@@ -29,10 +36,16 @@ struct Named {
 impl Quantities {
     /// Parameters at their values (changed by `changes`) and scales worked out of them.
     pub(super) fn new(patch: &Patch, changes: &[(String, f64)], findings: &mut Vec<Diagnostic>) -> Self {
+        let unknown = |scale: &Scale| Named { unit: scale.unit.clone(), value: None };
+        let formula = |scale: &Scale| match &scale.per_volt {
+            Some(placed) => placed.value.clone(),
+            None => Formula::constant(f64::NAN),
+        };
         let mut quantities = Quantities {
             parameters: parameters(patch, changes, findings),
-            scales: Vec::new(),
-            formulas: Vec::new(),
+            scales: patch.scales.iter().map(|(name, scale)| (name.clone(), unknown(scale))).collect(),
+            formulas: patch.scales.values().map(formula).collect(),
+            order: Vec::new(),
             time_scale: patch.time_scale,
             lost: patch.lost().clone(),
         };
@@ -40,30 +53,51 @@ impl Quantities {
         quantities
     }
 
-    /// The same quantities with one parameter at another value (in its declared unit).
-    pub(super) fn with(&self, parameter: usize, value: f64) -> Self {
-        let mut changed = self.clone();
-        let named = &mut changed.parameters[parameter];
-        named.value = Some(named.unit.to_si(value));
-        for index in 0..changed.scales.len() {
-            changed.scales[index].value = changed.scale_value(index);
+    /// The parameters that a formula names, itself or through scales, and these scales in their order.
+    pub(super) fn named_in(&self, formula: &Formula) -> Dependencies {
+        let (mut parameters, mut scales) = (BTreeSet::new(), HashSet::new());
+        let mut open = vec![formula];
+        while let Some(formula) = open.pop() {
+            for name in formula.names() {
+                parameters.extend(self.parameters.get_index_of(name));
+                let scale = self.scales.get_index_of(name).filter(|scale| scales.insert(*scale));
+                open.extend(scale.map(|scale| &self.formulas[scale]));
+            }
         }
-        changed
+        let scales = self.order.iter().copied().filter(|scale| scales.contains(scale)).collect();
+        Dependencies { parameters: parameters.into_iter().collect(), scales }
+    }
+
+    /// The same quantities with parameters at other values (in their declared units), and these scales with them.
+    pub(super) fn varied(&self, values: &[(usize, f64)], scales: &[usize]) -> Varied<'_> {
+        let in_si = |(parameter, value): &(usize, f64)| {
+            let (name, named) = self.parameters.get_index(*parameter)?;
+            Some((name.as_str(), Some(named.unit.to_si(*value))))
+        };
+        let mut varied = Varied { quantities: self, changed: values.iter().filter_map(in_si).collect() };
+        for scale in scales {
+            let value = self.formulas[*scale].evaluate(&varied).ok();
+            let value =
+                value.map(|value| self.in_si(&self.formulas[*scale], value, &self.scales[*scale].unit));
+            varied.changed.insert(self.scale(*scale).0, value);
+        }
+        varied
     }
 
     /// The values of the parameters, in their declared units.
     pub(super) fn parameter_values(&self) -> impl Iterator<Item = f64> {
-        self.parameters.iter().map(|named| named.unit.out_of_si(named.value.unwrap_or(f64::NAN)))
+        self.parameters.values().map(|named| named.unit.out_of_si(named.value.unwrap_or(f64::NAN)))
     }
 
     /// Name and formula of a scale.
     pub(super) fn scale(&self, index: usize) -> (&str, &Formula) {
-        (&self.scales[index].name, &self.formulas[index])
+        let name = self.scales.get_index(index).map_or("", |(name, _)| name);
+        (name, &self.formulas[index])
     }
 
     /// One volt of a scale in SI, where it could be worked out.
     pub(super) fn per_volt(&self, scale: usize) -> Option<f64> {
-        self.scales.get(scale)?.value
+        self.scales.get_index(scale)?.1.value
     }
 
     /// Whether a formula is made of bare numbers, and so takes the unit of its place.
@@ -71,68 +105,54 @@ impl Quantities {
         formula.dimension(self) == Ok(FormulaMeasure::Free)
     }
 
+    /// What a formula came to, in SI: a plain number stands in the unit of its place.
+    pub(super) fn in_si(&self, formula: &Formula, value: f64, unit: &Unit) -> f64 {
+        if self.is_plain(formula) { unit.to_si(value) } else { value }
+    }
+
     /// Scales may name other scales: each is worked out once those that it names are.
     fn work_out_scales(&mut self, patch: &Patch, findings: &mut Vec<Diagnostic>) {
-        for (name, scale) in &patch.scales {
-            self.scales.push(Named { name: name.clone(), unit: scale.unit.clone(), value: None });
-            let formula = scale.per_volt.as_ref().map(|placed| placed.value.clone());
-            self.formulas.push(formula.unwrap_or_else(|| Formula::constant(f64::NAN)));
-        }
-        let mut left: Vec<usize> = (0..self.scales.len()).collect();
-        while let Some(ready) = left.iter().position(|index| self.is_ready(*index, &left)) {
-            let index = left.remove(ready);
-            if let Some(per_volt) = &patch.scales[index].per_volt {
-                self.scales[index].value = self.checked_scale(index, per_volt, findings);
-            }
-        }
-        self.report_rings(patch, &left, findings);
-    }
-
-    /// Reports scales that depend on themselves, each ring of them once.
-    fn report_rings(&self, patch: &Patch, left: &[usize], findings: &mut Vec<Diagnostic>) {
-        let mut reported = Vec::new();
-        for index in left.iter().copied().filter(|index| self.leads_to(*index).contains(index)) {
-            if reported.contains(&index) {
+        let naming = self.naming();
+        // Every ring comes after what it names.
+        for mut members in kosaraju_scc(&naming) {
+            members.sort_unstable();
+            let first = members[0];
+            if members.len() > 1 || naming.contains_edge(first, first) {
+                findings.push(self.ring(patch, &members));
                 continue;
             }
-            let ring =
-                self.leads_to(index).into_iter().filter(|other| self.leads_to(*other).contains(&index));
-            let ring: Vec<_> = ring.collect();
-            findings.push(self.ring(patch, index, &ring));
-            reported.extend(ring);
+            self.order.push(first.index());
+            if let Some(per_volt) = &patch.scales[first.index()].per_volt {
+                self.scales[first.index()].value = self.checked_scale(first.index(), per_volt, findings);
+            }
         }
     }
 
-    /// The scales that a scale names, and those that these name.
-    fn leads_to(&self, index: usize) -> Vec<usize> {
-        let mut reached = Vec::new();
-        let mut next = vec![index];
-        while let Some(index) = next.pop() {
-            let names = self.formulas[index].names();
-            let named =
-                (0..self.scales.len()).filter(|other| names.contains(&self.scales[*other].name.as_str()));
-            let new: Vec<_> = named.filter(|other| !reached.contains(other)).collect();
-            reached.extend(&new);
-            next.extend(new);
+    /// Which scales name which.
+    fn naming(&self) -> DiGraph<(), ()> {
+        let mut naming = DiGraph::new();
+        for _ in &self.formulas {
+            naming.add_node(());
         }
-        reached
+        for (index, formula) in self.formulas.iter().enumerate() {
+            for named in formula.names().into_iter().filter_map(|name| self.scales.get_index_of(name)) {
+                naming.add_edge(NodeIndex::new(index), NodeIndex::new(named), ());
+            }
+        }
+        naming
     }
 
-    fn ring(&self, patch: &Patch, index: usize, ring: &[usize]) -> Diagnostic {
-        let names: Vec<_> = ring.iter().map(|index| self.scales[*index].name.as_str()).collect();
+    /// Scales that depend on themselves.
+    fn ring(&self, patch: &Patch, ring: &[NodeIndex]) -> Diagnostic {
+        let names: Vec<_> = ring.iter().map(|index| self.scale(index.index()).0).collect();
         let message = match names.as_slice() {
             [only] => format!("the scale {only} depends on itself"),
             names => format!("the scales {} depend on each other", names.join(", ")),
         };
-        let scale = &patch.scales[index];
+        let scale = &patch.scales[ring[0].index()];
         let span = scale.per_volt.as_ref().map_or(scale.span, |placed| placed.span);
         Diagnostic::at(Code::BadFormula, span, message)
             .hint("give one of them as a number, or by parameters alone")
-    }
-
-    fn is_ready(&self, index: usize, left: &[usize]) -> bool {
-        let names = self.formulas[index].names();
-        left.iter().all(|other| !names.contains(&self.scales[*other].name.as_str()))
     }
 
     fn checked_scale(
@@ -141,10 +161,10 @@ impl Quantities {
         placed: &Placed<Formula>,
         findings: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
-        let wanted = self.scales[index].unit.dimension();
-        let value =
-            self.checked(placed, |found| found == wanted, &in_unit(&self.scales[index].unit), findings)?;
-        let value = if self.is_plain(&placed.value) { self.scales[index].unit.to_si(value) } else { value };
+        let unit = &self.scales[index].unit;
+        let wanted = unit.dimension();
+        let value = self.checked(placed, |found| found == wanted, &wanted.to_string(), findings)?;
+        let value = self.in_si(&placed.value, value, unit);
         if value == 0.0 && self.is_plain(&placed.value) {
             let message = "a scale of 0 per volt measures nothing";
             let hint = "per_volt is what one volt stands for";
@@ -156,11 +176,6 @@ impl Quantities {
             return None;
         }
         Some(value)
-    }
-
-    fn scale_value(&self, index: usize) -> Option<f64> {
-        let value = self.formulas[index].evaluate(self).ok()?;
-        Some(if self.is_plain(&self.formulas[index]) { self.scales[index].unit.to_si(value) } else { value })
     }
 
     /// A formula's value, once its unit is found fit.
@@ -202,8 +217,8 @@ impl Quantities {
 
     /// What to divide by to be left with a pure number, where a scale does it.
     fn divisor(&self, found: Dimension) -> Option<String> {
-        let scale = self.scales.iter().find(|scale| scale.unit.dimension() == found)?;
-        Some(format!("divide it by the scale {}: that leaves volts", scale.name))
+        let (name, _) = self.scales.iter().find(|(_, scale)| scale.unit.dimension() == found)?;
+        Some(format!("divide it by the scale {name}: that leaves volts"))
     }
 
     /// Whether a name stands for something that was itself reported as wrong.
@@ -215,12 +230,8 @@ impl Quantities {
     }
 
     fn find(&self, name: &str) -> Option<&Named> {
-        self.parameters.iter().chain(&self.scales).find(|named| named.name == name)
+        self.parameters.get(name).or_else(|| self.scales.get(name))
     }
-}
-
-fn in_unit(unit: &Unit) -> String {
-    unit.dimension().to_string()
 }
 
 fn measured_in(dimension: Dimension) -> String {
@@ -255,12 +266,42 @@ impl Scope for Quantities {
     }
 
     fn names(&self) -> Vec<&str> {
-        let named = self.parameters.iter().chain(&self.scales).map(|named| named.name.as_str());
+        let named = self.parameters.keys().chain(self.scales.keys()).map(String::as_str);
         named.chain([TIME_SCALE]).collect()
     }
 }
 
-fn parameters(patch: &Patch, changes: &[(String, f64)], findings: &mut Vec<Diagnostic>) -> Vec<Named> {
+/// What the value of a formula depends on.
+pub(super) struct Dependencies {
+    pub parameters: Vec<usize>,
+    pub scales: Vec<usize>,
+}
+
+/// Quantities of which some have other values.
+pub(super) struct Varied<'q> {
+    quantities: &'q Quantities,
+    changed: HashMap<&'q str, Option<f64>>,
+}
+
+impl Scope for Varied<'_> {
+    fn value(&self, name: &str) -> Option<f64> {
+        self.changed.get(name).copied().unwrap_or_else(|| self.quantities.value(name))
+    }
+
+    fn dimension(&self, name: &str) -> Option<Dimension> {
+        self.quantities.dimension(name)
+    }
+
+    fn names(&self) -> Vec<&str> {
+        self.quantities.names()
+    }
+}
+
+fn parameters(
+    patch: &Patch,
+    changes: &[(String, f64)],
+    findings: &mut Vec<Diagnostic>,
+) -> IndexMap<String, Named> {
     let known: Vec<&str> = patch.parameters.keys().map(String::as_str).collect();
     for (name, _) in changes.iter().filter(|(name, _)| !patch.parameters.contains_key(name)) {
         let message = format!("there is no parameter {name} to set");
@@ -271,11 +312,8 @@ fn parameters(patch: &Patch, changes: &[(String, f64)], findings: &mut Vec<Diagn
         let value = change.unwrap_or(parameter.value);
         let place = change.is_none().then_some(parameter.value_span);
         let fine = in_range(name, value, parameter, place, findings);
-        Named {
-            name: name.clone(),
-            unit: parameter.unit.clone(),
-            value: fine.then(|| parameter.unit.to_si(value)),
-        }
+        let value = fine.then(|| parameter.unit.to_si(value));
+        (name.clone(), Named { unit: parameter.unit.clone(), value })
     });
     named.collect()
 }

@@ -133,8 +133,7 @@ impl Checker<'_> {
         else {
             return 0.0;
         };
-        let value = if self.quantities.is_plain(&placed.value) { unit.to_si(value) } else { value };
-        value / volt
+        self.quantities.in_si(&placed.value, value, unit) / volt
     }
 
     fn fits(&self, measure: Measure, found: Dimension) -> bool {
@@ -185,15 +184,14 @@ impl Checker<'_> {
 
     /// Warns when a setting leaves its range somewhere in the ranges of the parameters that it names.
     fn over_ranges(&self, row: &Setting, placed: &Placed<Formula>, findings: &mut Vec<Diagnostic>) {
-        let named = self.named_parameters(&placed.value);
-        let corners = self.corners(&named);
-        let outside = corners.iter().find_map(|(quantities, at)| {
-            let comes_to = match placed.value.evaluate(quantities) {
+        let named = self.quantities.named_in(&placed.value);
+        let outside = self.corners(&named.parameters).into_iter().find_map(|corner| {
+            let comes_to = match placed.value.evaluate(&self.quantities.varied(&corner, &named.scales)) {
                 Ok(value) if row.allows(value) => return None,
                 Ok(value) => format!("would come to {}", told(value)),
                 Err(_) => "would have no value".to_owned(),
             };
-            Some((comes_to, at))
+            Some((comes_to, self.told_corner(&corner)))
         });
         if let Some((comes_to, at)) = outside {
             let message = format!("\"{}\" of {} {comes_to} at {at}", row.name, self.name);
@@ -202,41 +200,26 @@ impl Checker<'_> {
         }
     }
 
-    /// The parameters that a formula names, itself or through scales, which have a range.
-    fn named_parameters(&self, formula: &Formula) -> Vec<usize> {
-        let scales = formula.names().into_iter().filter_map(|name| self.patch.scales.get(name));
-        let through =
-            scales.filter_map(|scale| scale.per_volt.as_ref()).flat_map(|placed| placed.value.names());
-        let mut named: Vec<usize> = formula
-            .names()
-            .into_iter()
-            .chain(through)
-            .filter_map(|name| self.patch.parameters.get_index_of(name))
-            .filter(|index| self.patch.parameters[*index].range.is_some())
-            .collect();
-        named.sort_unstable();
-        named.dedup();
-        named
-    }
-
-    /// The quantities at least, middle and largest value of these parameters, in every combination.
-    fn corners(&self, named: &[usize]) -> Vec<(Quantities, String)> {
-        let mut corners = vec![(self.quantities.clone(), String::new())];
-        for index in named.iter().take(MOST_VARIED) {
-            let Some((name, parameter)) = self.patch.parameters.get_index(*index) else { continue };
-            let Some((low, high)) = parameter.range else { continue };
+    /// Least, middle and largest value of each of these parameters that has a range, in every combination.
+    fn corners(&self, named: &[usize]) -> Vec<Vec<(usize, f64)>> {
+        let ranged = named.iter().filter_map(|index| Some((*index, self.patch.parameters[*index].range?)));
+        let mut corners = vec![Vec::new()];
+        for (index, (low, high)) in ranged.take(MOST_VARIED) {
             let values = [low, (low + high) / 2.0, high];
             corners = corners
-                .into_iter()
-                .flat_map(|(quantities, so_far)| {
-                    let comma = if so_far.is_empty() { "" } else { ", " };
-                    values.map(|value| {
-                        (quantities.with(*index, value), format!("{so_far}{comma}{name} = {}", told(value)))
-                    })
-                })
+                .iter()
+                .flat_map(|corner| values.map(|value| [corner.as_slice(), &[(index, value)]].concat()))
                 .collect();
         }
         corners
+    }
+
+    fn told_corner(&self, corner: &[(usize, f64)]) -> String {
+        let told = corner.iter().filter_map(|(index, value)| {
+            let (name, _) = self.patch.parameters.get_index(*index)?;
+            Some(format!("{name} = {}", told(*value)))
+        });
+        told.collect::<Vec<_>>().join(", ")
     }
 
     /// Some settings must lie below others.
@@ -287,6 +270,18 @@ mod tests {
         let circuit = pot_at(PatchBuilder::new("full"), "0.1 * 3 / 0.3").unwrap();
         let program = Program::new(&circuit).unwrap();
         assert_eq!(Machine::new(&program, 1e-3).unwrap().voltage("P").unwrap(), 100.0 * (0.1 * 3.0 / 0.3));
+    }
+
+    #[test]
+    fn ranges_are_followed_through_scales_of_scales() {
+        let builder = PatchBuilder::new("scales")
+            .parameter("k", 1.0, "1", [0.5, 3.0])
+            .scale("a", "b", "1")
+            .scale("b", "k * c", "1")
+            .scale("c", 0.5, "1");
+        let warnings = pot_at(builder, "a").unwrap().warnings();
+        assert_eq!(warnings.findings.len(), 1, "{warnings}");
+        assert_eq!(warnings.findings[0].message, "\"setting\" of P would come to 1.5 at k = 3");
     }
 
     /// A chain of pots, each at a rate, into an amplifier of a kind.
