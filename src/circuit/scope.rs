@@ -196,7 +196,7 @@ impl Quantities {
             && !fits(found)
         {
             let message = format!("{} {}, and {wanted} is wanted here", formula.text(), measured_in(found));
-            let hint = if fits(Dimension::NONE) { self.divisor(found) } else { None };
+            let hint = fits(Dimension::NONE).then(|| self.divisor(formula, found));
             findings.push(Diagnostic::at(Code::UnitMismatch, placed.span, message).maybe_hint(hint));
             return None;
         }
@@ -215,10 +215,20 @@ impl Quantities {
         in_formula(Code::UnknownName, placed, error).maybe_hint(hint)
     }
 
-    /// What to divide by to be left with a pure number, where a scale does it.
-    fn divisor(&self, found: Dimension) -> Option<String> {
-        let (name, _) = self.scales.iter().find(|(_, scale)| scale.unit.dimension() == found)?;
-        Some(format!("divide it by the scale {name}: that leaves volts"))
+    /// What to divide by to be left with a pure number: a scale, or a parameter that the formula does not name.
+    fn divisor(&self, formula: &Formula, found: Dimension) -> String {
+        if let Some((name, _)) = self.scales.iter().find(|(_, scale)| scale.unit.dimension() == found) {
+            return format!("divide it by the scale {name}: that leaves volts");
+        }
+        let named = formula.names();
+        let other = self
+            .parameters
+            .iter()
+            .find(|(name, parameter)| parameter.unit.dimension() == found && !named.contains(&name.as_str()));
+        match other {
+            Some((name, _)) => format!("divide it by something in {found}, such as the parameter {name}"),
+            None => format!("divide it by something in {found}, made of parameters and scales"),
+        }
     }
 
     /// Whether a name stands for something that was itself reported as wrong.
