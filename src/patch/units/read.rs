@@ -215,8 +215,10 @@ impl Reader<'_> {
         let letter = self.peek();
         let end = self.at + letter.map_or(0, char::len_utf8);
         let shown = letter.map(String::from).unwrap_or_default();
-        UnitError::new(self.at..end, format!("{shown} cannot stand here"))
-            .with_hint("factors are separated by a blank, * or /, as in N s/m")
+        UnitError::new(self.at..end, format!("{shown} cannot stand here")).with_hint(match letter {
+            Some('°') => "temperatures are in K, angles in rad",
+            _ => "factors are separated by a blank, * or /, as in N s/m",
+        })
     }
 }
 
@@ -225,8 +227,14 @@ fn is_name_letter(letter: char) -> bool {
     letter.is_alphabetic() && superscript_value(letter).is_none()
 }
 
+/// Scales of temperature whose zero is not that of K.
+const TEMPERATURES: [&str; 5] = ["degc", "degf", "celsius", "centigrade", "fahrenheit"];
+
 fn unknown(name: &str, range: Range<usize>) -> UnitError {
     let error = UnitError::new(range, format!("{name} is not a known unit"));
+    if TEMPERATURES.contains(&name.to_lowercase().as_str()) {
+        return error.with_hint("temperatures are in K");
+    }
     match suggestions(name).join(" or ") {
         none if none.is_empty() => error,
         meant => error.with_hint(format!("did you mean {meant}?")),

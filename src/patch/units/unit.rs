@@ -209,6 +209,9 @@ mod tests {
         for (text, range) in faults {
             assert_eq!(error(text).range, range, "{text}: {}", error(text));
         }
+        for degrees in ["degC", "celsius", "Fahrenheit", "°C"] {
+            assert!(error(degrees).hint.unwrap().starts_with("temperatures are in K"), "{degrees}");
+        }
         assert_eq!(error("KN").hint.as_deref(), Some("did you mean kN or K N?"));
         assert_eq!(error("Nm").hint.as_deref(), Some("did you mean nm or N m?"));
     }
