@@ -4,7 +4,35 @@ use std::collections::HashMap;
 
 use super::scope::TIME_SCALE;
 use crate::elements::REFERENCES;
-use crate::patch::{Callee, Code, Diagnostic, Patch, Span};
+use crate::patch::{Callee, Code, Diagnostic, Patch, Placed, Span, suggestion};
+
+/// Where this much is wrong, names are no longer held against all that are known to guess what was meant.
+const MOST_GUESSED: usize = 200;
+
+/// What a name was found to stand for. One that is not known is reported, unless it may be one that could not be
+/// read, which has been reported itself.
+pub(super) fn found_or_told<'k, T>(
+    patch: &Patch,
+    name: &Placed<String>,
+    found: Option<T>,
+    message: impl FnOnce() -> String,
+    known: impl FnOnce() -> Vec<&'k str>,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<T> {
+    if found.is_none() && !patch.lost().may_hold(&name.value) {
+        let guess = findings.len() < MOST_GUESSED;
+        let hint = guess.then(|| suggestion(&name.value, &known())).flatten();
+        findings.push(Diagnostic::at(Code::UnknownName, name.span, message()).maybe_hint(hint));
+    }
+    found
+}
+
+/// Names in the order of the alphabet.
+pub(super) fn sorted<'k, V>(places: &HashMap<&'k str, V>) -> Vec<&'k str> {
+    let mut names: Vec<_> = places.keys().copied().collect();
+    names.sort_unstable();
+    names
+}
 
 /// Reports names that could not be used, and names used twice.
 pub(super) fn check(patch: &Patch, findings: &mut Vec<Diagnostic>) {

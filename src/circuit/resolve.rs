@@ -1,12 +1,12 @@
 //! From the patch to the circuit, finding everything that is wrong on the way.
 
+use petgraph::graph::{DiGraph, NodeIndex};
 use std::collections::{HashMap, HashSet};
 
-use petgraph::graph::{DiGraph, NodeIndex};
-
+use super::names::{found_or_told, sorted};
 use super::scope::Quantities;
 use super::{Circuit, Cord, Element, inventory, loops, names, settings, signals};
-use crate::elements::{Jacks, Kind, Output, REFERENCE, REFERENCES};
+use crate::elements::{Input, Jacks, Kind, Output, REFERENCE, REFERENCES, gain_of};
 use crate::machines::{self, Machine};
 use crate::patch::{
     Amount, Code, Diagnostic, Entry, Formula, Patch, Placed, Plug, Report, Span, any_error, suggestion,
@@ -99,14 +99,9 @@ pub(super) fn find_scale(
     name: &Placed<String>,
     findings: &mut Vec<Diagnostic>,
 ) -> Option<usize> {
+    let message = || format!("there is no scale {}", name.value);
     let found = patch.scales.get_index_of(&name.value);
-    if found.is_none() && !patch.lost().may_hold(&name.value) {
-        let known: Vec<_> = patch.scales.keys().map(String::as_str).collect();
-        let message = format!("there is no scale {}", name.value);
-        let hint = suggestion(&name.value, &known);
-        findings.push(Diagnostic::at(Code::UnknownName, name.span, message).maybe_hint(hint));
-    }
-    found
+    found_or_told(patch, name, found, message, || patch.scales.keys().map(String::as_str).collect(), findings)
 }
 
 /// The cords of one element.
@@ -170,11 +165,15 @@ impl Cords<'_> {
     fn unknown_jack(&self, jack: &Placed<String>) -> Diagnostic {
         let message =
             format!("{} (kind {}) has no input \"{}\"", self.name, self.entry.kind.name, jack.value);
+        let meant = self.entry.kind.inputs.iter().find_map(|input| meant_jack(input, &jack.value));
         let jacks: Vec<_> =
             self.entry.kind.inputs.iter().map(|input| jack_names(input.name, input.jacks)).collect();
-        let known =
-            if jacks.is_empty() { "it has none".to_owned() } else { format!("it has {}", jacks.join(", ")) };
-        Diagnostic::at(Code::UnknownInput, jack.span, message).hint(known)
+        let hint = match meant {
+            Some(meant) => format!("did you mean \"{meant}\"?"),
+            None if jacks.is_empty() => "it has none".to_owned(),
+            None => format!("it has {}", jacks.join(", ")),
+        };
+        Diagnostic::at(Code::UnknownInput, jack.span, message).hint(hint)
     }
 
     fn gain(&self, jack: &Placed<String>, gain: f64, findings: &mut Vec<Diagnostic>) {
@@ -190,16 +189,9 @@ impl Cords<'_> {
     }
 
     fn driver(&self, plug: &Plug, findings: &mut Vec<Diagnostic>) -> Option<NodeIndex> {
+        let message = || format!("{} is driven by {}, which is not in the patch", self.name, plug.from.value);
         let found = self.places.get(plug.from.value.as_str()).copied();
-        if found.is_none() && !self.patch.lost().may_hold(&plug.from.value) {
-            let mut known: Vec<_> = self.places.keys().copied().collect();
-            known.sort_unstable();
-            let message =
-                format!("{} is driven by {}, which is not in the patch", self.name, plug.from.value);
-            let hint = suggestion(&plug.from.value, &known);
-            findings.push(Diagnostic::at(Code::UnknownName, plug.from.span, message).maybe_hint(hint));
-        }
-        found
+        found_or_told(self.patch, &plug.from, found, message, || sorted(self.places), findings)
     }
 
     /// Reports cords for which an input has no jacks.
@@ -243,6 +235,13 @@ impl Cords<'_> {
         Diagnostic::at(Code::OutputsTied, extra.from.span, message)
             .hint("add them in a summer, and plug in its output")
     }
+}
+
+/// The jack with a gain that is written in capitals, or by its gain alone.
+fn meant_jack(input: &Input, written: &str) -> Option<String> {
+    let small = written.to_lowercase();
+    let tried = [small.clone(), format!("{}{small}", input.name)];
+    tried.into_iter().find(|jack| input.jacks == Jacks::Gains && gain_of(input.name, jack).is_some())
 }
 
 fn jack_names(name: &str, jacks: Jacks) -> String {

@@ -268,7 +268,7 @@ impl Kind {
 }
 
 /// The gain in a jack's name: 10 in "x10" for the prefix "x".
-fn gain_of(prefix: &str, jack: &str) -> Option<f64> {
+pub(crate) fn gain_of(prefix: &str, jack: &str) -> Option<f64> {
     let digits = jack.strip_prefix(prefix)?;
     let plain = !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit() || b == b'.');
     let gain: f64 = if plain { digits.parse().ok()? } else { return None };

@@ -23,6 +23,7 @@ mod summer;
 mod table;
 mod triangle;
 
+pub(crate) use kind::gain_of;
 pub use kind::{Default, Family, Input, Jacks, Kind, Measure, Output, Setting, Takes};
 pub(crate) use reference::{REFERENCE, REFERENCES};
 
