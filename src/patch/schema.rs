@@ -163,23 +163,21 @@ fn inputs(kind: &Kind, properties: &mut Map<String, Value>, required: &mut Vec<&
     let Some(main) = kind.inputs.first() else { return };
     if main.jacks == Jacks::Gains {
         properties.insert("in".into(), jacks(kind.inputs));
-        required.push("in");
+        required.extend(kind.inputs.iter().any(|input| input.required).then_some("in"));
         return;
     }
     for input in kind.inputs {
-        properties
-            .insert(input.name.into(), json!({"$ref": "#/$defs/cords", "description": input.description}));
-        required.push(input.name);
+        properties.insert(input.name.into(), plugged(input));
+        required.extend(input.required.then_some(input.name));
     }
 }
 
 fn jacks(inputs: &[Input]) -> Value {
     let (mut patterns, mut properties) = (Map::new(), Map::new());
     for input in inputs {
-        let cords = json!({"$ref": "#/$defs/cords", "description": input.description});
         match input.jacks {
-            Jacks::Gains => patterns.insert(format!("^{}[0-9.]+$", input.name), cords),
-            _ => properties.insert(input.name.to_owned(), cords),
+            Jacks::Gains => patterns.insert(format!("^{}[0-9.]+$", input.name), plugged(input)),
+            _ => properties.insert(input.name.to_owned(), plugged(input)),
         };
     }
     json!({
@@ -189,6 +187,17 @@ fn jacks(inputs: &[Input]) -> Value {
         "patternProperties": patterns,
         "properties": properties,
     })
+}
+
+/// The cords of an input.
+fn plugged(input: &Input) -> Value {
+    let Jacks::Exactly(count) = input.jacks else {
+        return json!({"$ref": "#/$defs/cords", "description": input.description});
+    };
+    let mut cords = names(input.description);
+    cords["minItems"] = count.into();
+    cords["maxItems"] = count.into();
+    cords
 }
 
 fn insert_setting(setting: &Setting, properties: &mut Map<String, Value>) {
@@ -225,4 +234,36 @@ fn uses(kind: &Kind) -> Value {
         properties.insert(part.key().to_owned(), names("which of the machine's parts it is made of"));
     }
     json!({"type": "object", "additionalProperties": false, "properties": properties})
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn schema_of(kind: &str) -> Value {
+        entry(REGISTRY.iter().find(|row| row.name == kind).unwrap())
+    }
+
+    #[test]
+    fn an_input_that_takes_two_cords_says_so() {
+        let cords = &schema_of("diode-lower-of")["properties"]["in"];
+        assert_eq!((&cords["minItems"], &cords["maxItems"]), (&json!(2), &json!(2)));
+    }
+
+    #[test]
+    fn required_are_the_inputs_that_the_patch_must_drive() {
+        for kind in REGISTRY.iter().filter(|kind| kind.family == Family::Computing) {
+            let schema = entry(kind);
+            let required = schema["required"].as_array().unwrap();
+            for input in kind.inputs.iter().filter(|_| kind.inputs[0].jacks != Jacks::Gains) {
+                assert_eq!(
+                    required.contains(&json!(input.name)),
+                    input.required,
+                    "{} {}",
+                    kind.name,
+                    input.name
+                );
+            }
+        }
+    }
 }
