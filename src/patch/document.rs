@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 use std::fs;
-use std::io::Write as _;
+use std::io::{Read as _, Write as _};
 use std::path::Path;
 
 use indexmap::IndexMap;
@@ -212,12 +212,15 @@ impl Patch {
     /// Reads a patch from a file.
     ///
     /// # Errors
-    /// When the file cannot be read, or is not a JSON object. What is wrong inside the object is found by
+    /// When the file cannot be read, is larger than 16 MB or no JSON object. What is wrong inside the object is found by
     /// [`Circuit::new`](crate::circuit::Circuit::new), all of it at once.
     pub fn read(path: &Path) -> Result<Patch, PatchError> {
         let file = path.display().to_string();
         let bytes =
-            fs::read(path).map_err(|source| PatchError::File { verb: "read", file: file.clone(), source })?;
+            read(path).map_err(|source| PatchError::File { verb: "read", file: file.clone(), source })?;
+        if bytes.len() > LARGEST {
+            return Err(too_large(&file).into());
+        }
         let text = String::from_utf8(bytes).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
             let readable = String::from_utf8_lossy(error.as_bytes()).into_owned();
@@ -232,8 +235,11 @@ impl Patch {
     /// Reads a patch from a text; `file` is the name that reports give it.
     ///
     /// # Errors
-    /// When the text is not a JSON object.
+    /// When the text is not a JSON object, or is longer than 16 MB.
     pub fn parse(file: &str, text: &str) -> Result<Patch, Box<Report>> {
+        if text.len() > LARGEST {
+            return Err(too_large(file));
+        }
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let fail = |finding| Box::new(Report::new(file, text, vec![finding]));
         let root = tree::parse(text).map_err(fail)?;
@@ -311,6 +317,23 @@ impl Patch {
     }
 }
 
+/// Bytes of the largest document that is read: the tree of a text takes a hundred times its room.
+const LARGEST: usize = 16_000_000;
+
+/// The bytes of a file; of one that is too large, no more than shows it.
+fn read(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    fs::File::open(path)?.take(LARGEST as u64 + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+fn too_large(file: &str) -> Box<Report> {
+    let message = format!("the document has more than {} MB", LARGEST / 1_000_000);
+    let finding = Diagnostic::at(Code::Syntax, Span::default(), message)
+        .hint("no patch needs that much: is it the right file?");
+    Box::new(Report::new(file, "", vec![finding]))
+}
+
 /// Writes a file so that it is never seen half written.
 ///
 /// # Errors
@@ -351,6 +374,16 @@ mod tests {
         );
         let again = Patch::from_value("p.json", patch.value()).unwrap();
         assert_eq!(again.value(), patch.value());
+    }
+
+    #[test]
+    fn a_document_beyond_reason_is_refused_unread() {
+        let text = format!("[{}1]", "1,".repeat(LARGEST / 2));
+        let report = Patch::parse("p.json", &text).unwrap_err();
+        assert!(report.to_string().contains("more than 16 MB"), "{report}");
+        let file = tempfile::NamedTempFile::new().unwrap();
+        fs::write(file.path(), &text).unwrap();
+        assert!(matches!(Patch::read(file.path()), Err(PatchError::Text(_))));
     }
 
     #[test]
