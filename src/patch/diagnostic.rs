@@ -3,10 +3,11 @@
 use std::fmt;
 use std::ops::Range;
 
-use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use serde_json::{Value, json};
 
 use super::code::Code;
+use super::places::Places;
 use super::units::nearest;
 
 /// A stretch of the document's text, in bytes.
@@ -82,6 +83,11 @@ impl Diagnostic {
     }
 }
 
+/// Lines with more bytes than this are shown in part.
+const LONGEST_SHOWN: usize = 4000;
+/// Bytes shown before, inside and after a span in a long line.
+const PART_SHOWN: usize = 40;
+
 /// All findings about one document, with the text they speak of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
@@ -91,13 +97,17 @@ pub struct Report {
     pub text: String,
     /// The findings, in the order of the text.
     pub findings: Vec<Diagnostic>,
+    places: Places,
 }
+
+/// More findings than this are not shown but counted.
+const MOST_SHOWN: usize = 50;
 
 impl Report {
     /// A report on a document; findings are put into the order of the text.
     pub fn new(file: &str, text: &str, mut findings: Vec<Diagnostic>) -> Self {
         findings.sort_by_key(|finding| finding.span.map_or(usize::MAX, |span| span.start));
-        Report { file: file.to_owned(), text: text.to_owned(), findings }
+        Report { file: file.to_owned(), text: text.to_owned(), findings, places: Places::of(text) }
     }
 
     /// Whether anything stops the patch from running.
@@ -117,17 +127,18 @@ impl Report {
 
     /// Line and column (both from 1, columns in characters) of a byte of the text.
     pub fn line_and_column(&self, byte: usize) -> (usize, usize) {
-        let before = &self.text[..floor_char_boundary(&self.text, byte)];
-        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+        self.places.line_and_column(&self.text, floor_char_boundary(&self.text, byte))
     }
 
-    /// The report as a terminal shows it, with the guilty line of each finding.
+    /// The report as a terminal shows it, with the guilty line of each finding: the first 50, and how many more
+    /// there are.
     pub fn render(&self, colour: bool) -> String {
         let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
-        let shown: Vec<String> =
-            self.findings.iter().map(|finding| renderer.render(&[self.group(finding)])).collect();
-        shown.join("\n\n")
+        let shown = self.findings.iter().take(MOST_SHOWN);
+        let shown = shown.map(|finding| renderer.render(&[self.group(finding)]));
+        let left = self.findings.len().saturating_sub(MOST_SHOWN);
+        let more = (left > 0).then(|| format!("and {left} more"));
+        shown.chain(more).collect::<Vec<_>>().join("\n\n")
     }
 
     fn group<'a>(&'a self, finding: &'a Diagnostic) -> Group<'a> {
@@ -138,8 +149,7 @@ impl Report {
         let title = level.primary_title(&finding.message).id(finding.code.as_str());
         let mut group = Group::with_title(title);
         if let Some(span) = finding.span {
-            let place = AnnotationKind::Primary.span(self.byte_range(span));
-            group = group.element(Snippet::source(&self.text).path(&self.file).annotation(place));
+            group = self.shown(group, span);
         }
         match &finding.hint {
             Some(hint) => group.element(Level::HELP.message(hint)),
@@ -147,8 +157,35 @@ impl Report {
         }
     }
 
-    fn byte_range(&self, span: Span) -> Range<usize> {
-        floor_char_boundary(&self.text, span.start)..floor_char_boundary(&self.text, span.end)
+    /// Adds the lines of a span; where these are long, what stands around its beginning.
+    fn shown<'a>(&'a self, group: Group<'a>, span: Span) -> Group<'a> {
+        let [start, end] = [span.start, span.end].map(|byte| floor_char_boundary(&self.text, byte));
+        let first = self.places.line(start);
+        let from = self.places.line_start(first);
+        let lines = from..self.places.line_end(&self.text, self.places.line(end));
+        if lines.len() > LONGEST_SHOWN {
+            return self.shown_in_part(group, start..end);
+        }
+        let place = AnnotationKind::Primary.span(start - from..end - from);
+        let snippet = Snippet::source(&self.text[lines]).line_start(first + 1);
+        group.element(snippet.path(&self.file).annotation(place))
+    }
+
+    fn shown_in_part<'a>(&'a self, group: Group<'a>, span: Range<usize>) -> Group<'a> {
+        let (line, column) = self.line_and_column(span.start);
+        let whole = self.places.line_start(line - 1)..self.places.line_end(&self.text, line - 1);
+        let boundary = |byte| floor_char_boundary(&self.text, byte);
+        let end = span.end.min(boundary(span.start + PART_SHOWN)).min(whole.end).max(span.start);
+        let from = boundary(span.start.saturating_sub(PART_SHOWN)).max(whole.start);
+        let to = boundary(end + PART_SHOWN).min(whole.end);
+        let before = if from > whole.start { "..." } else { "" };
+        let after = if to < whole.end { "..." } else { "" };
+        let moved = |byte: usize| byte - from + before.len();
+        let place = AnnotationKind::Primary.span(moved(span.start)..moved(end));
+        let part = format!("{before}{}{after}", &self.text[from..to]);
+        group
+            .element(Origin::path(&self.file).line(line).char_column(column))
+            .element(Snippet::source(part).line_start(line).annotation(place))
     }
 
     /// The findings for `--json`: a list of code, severity, line, column, message and hint.
@@ -242,6 +279,36 @@ mod tests {
         for part in ["unknown-key", "no such key", "a.json:2:3", "\"kin\"", "look it up"] {
             assert!(shown.contains(part), "{part} is missing in\n{shown}");
         }
+    }
+
+    /// Findings at every word of a text.
+    fn many(text: &str, count: usize) -> Report {
+        let spans = (0..count).map(|at| Span { start: 4 * at, end: 4 * at + 3 });
+        let finding = |span| Diagnostic::at(Code::UnknownKey, span, "no such key");
+        Report::new("a.json", text, spans.map(finding).collect())
+    }
+
+    #[test]
+    fn fifty_findings_are_shown_and_the_others_counted() {
+        let text = "abc\n".repeat(20_000);
+        let shown = many(&text, 20_000).to_string();
+        assert_eq!(shown.matches("no such key").count(), MOST_SHOWN);
+        assert!(shown.ends_with("\n\nand 19950 more"), "{shown}");
+        assert_eq!(many(&text, 20_000).to_json().as_array().unwrap().len(), 20_000);
+        assert!(!many(&text, MOST_SHOWN).to_string().contains("more"));
+    }
+
+    #[test]
+    fn of_a_long_line_the_part_around_the_finding_is_shown() {
+        let text = "µbc ".repeat(3_000_000);
+        let start = 5 * 1_000_000;
+        let finding = Diagnostic::at(Code::UnknownKey, Span { start, end: start + 4 }, "no such key");
+        let report = Report::new("a.json", &text, vec![finding; 20_000]);
+        let shown = report.to_string();
+        assert!(shown.contains("a.json:1:4000001\n"), "{shown}");
+        assert!(shown.contains("...µbc µbc") && shown.contains(" ^^^"), "{shown}");
+        assert!(shown.lines().all(|line| line.len() < 200), "{shown}");
+        assert_eq!(report.to_json()[19_999]["column"], 4_000_001);
     }
 
     #[test]

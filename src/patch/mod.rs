@@ -9,6 +9,7 @@ mod document;
 mod fields;
 mod formula;
 mod function;
+mod places;
 mod schema;
 mod tree;
 mod units;
