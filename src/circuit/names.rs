@@ -7,7 +7,7 @@ use crate::elements::REFERENCES;
 use crate::patch::{Callee, Code, Diagnostic, Patch, Placed, Span, suggestion};
 
 /// Where this much is wrong, names are no longer held against all that are known to guess what was meant.
-const MOST_GUESSED: usize = 200;
+const MOST_GUESSED: usize = 50;
 
 /// What a name was found to stand for. One that is not known is reported, unless it may be one that could not be
 /// read, which has been reported itself.

@@ -5,8 +5,10 @@
 /// near candidates the first one is taken.
 pub fn nearest<'a>(wanted: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let allowed = allowed_edits(wanted);
+    let length = wanted.chars().count();
     candidates
         .into_iter()
+        .filter(|candidate| candidate.chars().count().abs_diff(length) <= allowed)
         .map(|candidate| (closeness(wanted, candidate), candidate))
         .filter(|((edits, _), _)| *edits <= allowed)
         .min_by_key(|(closeness, _)| *closeness)
