@@ -24,6 +24,7 @@ pub mod circuit;
 pub mod elements;
 pub mod instruments;
 pub mod machines;
+pub mod output;
 pub mod patch;
 pub mod plot;
 pub mod program;

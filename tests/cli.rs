@@ -154,6 +154,41 @@ fn files_that_cannot_be_read_or_written_end_with_1() {
 }
 
 #[test]
+fn no_file_is_written_twice_or_over_the_patch() {
+    let folder = tempfile::tempdir().unwrap();
+    let [patch, table, out] = ["a.json", "a.csv", "new"].map(|name| path(&folder, name));
+    fs::copy(FIG_8_16, &patch).unwrap();
+    let [picture, twice] = [path(&folder, "a.svg"), path(&folder, "new/a.csv")];
+    let roundabout = path(&folder, "../") + folder.path().file_name().unwrap().to_str().unwrap() + "/a.svg";
+    let wrong: &[(&[&str], &str)] = &[
+        (&["--csv", &patch], "is the patch itself"),
+        (&["--csv", &picture, "--plot", &roundabout], "would be written twice"),
+        (&["--csv", &twice, "--out", &out], "would be written twice"),
+        (&["--csv", ""], "a value is required"),
+    ];
+    for (options, message) in wrong {
+        let ran = patchcord(&[&["run", &patch, "--for", "0.001"], *options].concat());
+        assert_eq!(code(&ran), 2, "{options:?}: {}", errors(&ran));
+        assert!(errors(&ran).contains(message), "{}", errors(&ran));
+    }
+    assert_eq!(fs::read_to_string(&patch).unwrap(), fs::read_to_string(FIG_8_16).unwrap());
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    assert_eq!(code(&patchcord(&["run", &patch, "--for", "0.001", "--csv", &table])), 0);
+}
+
+#[test]
+fn a_folder_is_made_for_right_patches_and_keeps_the_dots_of_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let [patch, wrong, out] = ["a.b.json", "wrong.json", "new"].map(|name| path(&folder, name));
+    fs::copy(FIG_8_16, &patch).unwrap();
+    fs::write(&wrong, "{\"patchcord\": 1, \"elements\": 3}").unwrap();
+    assert_eq!(code(&patchcord(&["run", &wrong, "--out", &out])), 1);
+    assert!(!Path::new(&out).exists());
+    assert_eq!(code(&patchcord(&["run", &patch, "--for", "0.001", "--out", &out])), 0);
+    assert!(Path::new(&out).join("a.b.csv").is_file() && Path::new(&out).join("a.b.svg").is_file());
+}
+
+#[test]
 fn a_repeated_run_tells_its_runs_apart() {
     let folder = tempfile::tempdir().unwrap();
     let csv = path(&folder, "out.csv");

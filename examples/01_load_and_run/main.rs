@@ -5,7 +5,8 @@ use std::path::Path;
 
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{self, Display};
-use patchcord::patch::{Patch, write_whole};
+use patchcord::output::write_whole;
+use patchcord::patch::Patch;
 use patchcord::plot::{Format, Size, render};
 use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};

@@ -3,6 +3,7 @@
 mod check;
 mod elements;
 mod failure;
+mod files;
 mod load;
 mod machines;
 mod run;

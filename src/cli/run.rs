@@ -1,19 +1,15 @@
 //! `patchcord run`
 
-use std::fs;
-use std::path::{Path, PathBuf};
-
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::failure::Failure;
+use super::files::{FileArguments, Files};
 use super::load::{Loaded, PatchArguments, parameter_line, parameters_json};
 use super::table::Table;
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{self, Display, Reading};
-use patchcord::patch::write_whole;
-use patchcord::plot::{self, Format, Picture, Size};
 use patchcord::solve::{self, Overload, RunError, RunSettings};
 use patchcord::trace::Trace;
 
@@ -39,15 +35,8 @@ pub(super) struct Arguments {
     /// Record these signals, drives or elements instead of those that the patch names
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     record: Vec<String>,
-    /// Write what was recorded as CSV, in physical units
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-    /// Draw the patch's pictures on one sheet; SVG or PNG by the name of the file
-    #[arg(long, value_name = "FILE.svg|png")]
-    plot: Option<PathBuf>,
-    /// Write table and pictures into this folder, under the patch's name
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    files: FileArguments,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -61,9 +50,11 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let json = arguments.patch.json;
-    let files = arguments.files().map_err(|failure| failure.told_as_json(json))?;
+    let files =
+        arguments.files.files(&arguments.patch.patch).map_err(|failure| failure.told_as_json(json))?;
     let Loaded { circuit, program } = arguments.patch.load()?;
     let settings = arguments.settings(&circuit).map_err(|failure| failure.told_as_json(json))?;
+    files.prepare().map_err(|failure| failure.told_as_json(json))?;
     let outcome = solve::run(&program, &settings);
     let trace = match &outcome {
         Err(RunError::NotANumber { trace: Some(trace), .. }) => trace.as_ref(),
@@ -108,91 +99,13 @@ impl Arguments {
             }
         }
         let mut record = self.record.clone();
-        if self.plot.is_some() || self.out.is_some() {
+        if self.files.draw() {
             record.extend(circuit.pictured());
         }
         let mut seen = std::collections::HashSet::new();
         record.retain(|name| seen.insert(name.clone()));
         Ok(record)
     }
-
-    /// The files to write; what cannot be written to is told before the run.
-    fn files(&self) -> Result<Files, Failure> {
-        let stem = self.patch.patch.file_stem().unwrap_or_default();
-        let in_folder =
-            |ending: &str| self.out.as_ref().map(|folder| folder.join(stem).with_extension(ending));
-        if let Some(folder) = &self.out {
-            fs::create_dir_all(folder).map_err(|error| {
-                Failure::data(format!("cannot make the folder {}: {error}", folder.display()))
-            })?;
-        }
-        let tables = self.csv.clone().into_iter().chain(in_folder("csv")).collect();
-        let sheets = self.plot.clone().into_iter().chain(in_folder("svg"));
-        let sheets: Result<Vec<_>, _> =
-            sheets.map(|path| Format::from_path(&path).map(|format| (path, format))).collect();
-        let files = Files { tables, sheets: sheets.map_err(|error| Failure::usage(error.to_string()))? };
-        files.check_folders()?;
-        Ok(files)
-    }
-}
-
-/// The files that a run writes.
-struct Files {
-    tables: Vec<PathBuf>,
-    sheets: Vec<(PathBuf, Format)>,
-}
-
-impl Files {
-    fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        self.tables.iter().chain(self.sheets.iter().map(|(path, _)| path))
-    }
-
-    fn check_folders(&self) -> Result<(), Failure> {
-        for path in self.paths() {
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-            if folder.is_some_and(|folder| !folder.is_dir()) || path.is_dir() {
-                return Err(Failure::data(format!(
-                    "cannot write {}: no such folder, or a folder itself",
-                    path.display()
-                )));
-            }
-        }
-        Ok(())
-    }
-
-    fn write(&self, trace: &Trace, circuit: &Circuit) -> Result<(), Failure> {
-        for path in &self.tables {
-            let mut bytes = Vec::new();
-            trace.write_csv(&mut bytes).map_err(|error| Failure::data(error.to_string()))?;
-            put(path, &bytes)?;
-        }
-        if self.sheets.is_empty() {
-            return Ok(());
-        }
-        let pictures = pictures(circuit, trace)?;
-        for (path, format) in &self.sheets {
-            let bytes = plot::render(&pictures, *format, Size::default());
-            put(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
-        }
-        Ok(())
-    }
-
-    fn told(&self) -> String {
-        let told: Vec<_> = self.paths().map(|path| format!("wrote {}\n", path.display())).collect();
-        if told.is_empty() { String::new() } else { format!("\n{}", told.concat()) }
-    }
-}
-
-fn put(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    write_whole(path, bytes)
-        .map_err(|error| Failure::data(format!("cannot write {}: {error}", path.display())))
-}
-
-/// The patch's pictures; where it asks for none, every recorded signal against time.
-fn pictures(circuit: &Circuit, trace: &Trace) -> Result<Vec<Picture>, Failure> {
-    let specs = circuit.picture_specs(trace.tracks.iter().map(|track| track.name.as_str()));
-    let drawn = specs.iter().map(|spec| instruments::picture(trace, spec, Some(parameter_line(circuit))));
-    drawn.collect::<Result<_, _>>().map_err(|error| Failure::data(error.to_string()))
 }
 
 fn readings_table(circuit: &Circuit, trace: &Trace) -> String {

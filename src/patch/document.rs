@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 use std::fs;
-use std::io::{Read as _, Write as _};
+use std::io::Read as _;
 use std::path::Path;
 
 use indexmap::IndexMap;
@@ -15,6 +15,7 @@ use super::formula::Formula;
 use super::tree;
 use super::units::Unit;
 use crate::elements::Kind;
+use crate::output::write_whole;
 
 /// The version of the format that this program reads and writes.
 pub const FORMAT_VERSION: u64 = 1;
@@ -334,32 +335,6 @@ fn too_large(file: &str) -> Box<Report> {
     Box::new(Report::new(file, "", vec![finding]))
 }
 
-/// Writes a file so that it is never seen half written.
-///
-/// # Errors
-/// When the file system refuses; a file that was there is then as it was.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let mut beside = tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))?;
-    beside.write_all(bytes)?;
-    beside.as_file().sync_all()?;
-    open_to_others(beside.as_file())?;
-    beside.persist(path)?;
-    Ok(())
-}
-
-/// Gives the new file the rights that an ordinary file has; a temporary file is its owner's alone.
-#[cfg(unix)]
-fn open_to_others(file: &fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt as _;
-    file.set_permissions(fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn open_to_others(_: &fs::File) -> std::io::Result<()> {
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -384,14 +359,5 @@ mod tests {
         let file = tempfile::NamedTempFile::new().unwrap();
         fs::write(file.path(), &text).unwrap();
         assert!(matches!(Patch::read(file.path()), Err(PatchError::Text(_))));
-    }
-
-    #[test]
-    fn a_failed_write_leaves_nothing_behind() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("there");
-        fs::create_dir(&path).unwrap();
-        assert!(write_whole(&path, b"x").is_err());
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

@@ -20,7 +20,7 @@ pub use diagnostic::{Diagnostic, Report, Severity, Span, suggestion};
 pub(crate) use document::Lost;
 pub use document::{
     Amount, Entry, FORMAT_VERSION, Parameter, Patch, PatchError, PictureSpec, Placed, Plug, RunPlan, Scale,
-    Signal, write_whole,
+    Signal,
 };
 pub use formula::{
     Callee, Expression, Formula, FormulaError, Measure as FormulaMeasure, Node, Operator, Scope,

@@ -1,0 +1,146 @@
+//! The files that a run writes.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::failure::Failure;
+use super::load::parameter_line;
+use patchcord::circuit::Circuit;
+use patchcord::instruments;
+use patchcord::output::{destination, write_whole};
+use patchcord::plot::{self, Format, Picture, Size};
+use patchcord::trace::Trace;
+
+#[derive(Args)]
+pub(super) struct FileArguments {
+    /// Write what was recorded as CSV, in physical units
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Draw the patch's pictures on one sheet; SVG or PNG by the name of the file
+    #[arg(long, value_name = "FILE.svg|png")]
+    plot: Option<PathBuf>,
+    /// Write table and pictures into this folder, under the patch's name
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl FileArguments {
+    /// Whether pictures are drawn.
+    pub fn draw(&self) -> bool {
+        self.plot.is_some() || self.out.is_some()
+    }
+
+    /// The files to write; files that would be written twice, or over the patch, are refused.
+    pub fn files(&self, patch: &Path) -> Result<Files, Failure> {
+        let in_folder = |ending| self.out.as_ref().map(|folder| folder.join(named_like(patch, ending)));
+        let tables = self.csv.clone().into_iter().chain(in_folder(".csv")).collect();
+        let sheets = self.plot.clone().into_iter().chain(in_folder(".svg"));
+        let sheets: Result<Vec<_>, _> =
+            sheets.map(|path| Format::from_path(&path).map(|format| (path, format))).collect();
+        let sheets = sheets.map_err(|error| Failure::usage(error.to_string()))?;
+        let files = Files { folder: self.out.clone(), tables, sheets };
+        files.check_apart(patch)?;
+        Ok(files)
+    }
+}
+
+/// The patch's name with another ending; dots within the name stay.
+fn named_like(patch: &Path, ending: &str) -> OsString {
+    let mut name = patch.file_stem().unwrap_or_default().to_owned();
+    name.push(ending);
+    name
+}
+
+pub(super) struct Files {
+    folder: Option<PathBuf>,
+    tables: Vec<PathBuf>,
+    sheets: Vec<(PathBuf, Format)>,
+}
+
+impl Files {
+    pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.tables.iter().chain(self.sheets.iter().map(|(path, _)| path))
+    }
+
+    fn check_apart(&self, patch: &Path) -> Result<(), Failure> {
+        let mut taken = vec![(patch, place(patch)?)];
+        for path in self.paths().filter(|path| !is_stream(path)) {
+            let place = place(path)?;
+            match taken.iter().find(|(_, other)| *other == place) {
+                Some((other, _)) if *other == patch => {
+                    return Err(Failure::usage(format!("{} is the patch itself", path.display())));
+                }
+                Some(_) => {
+                    return Err(Failure::usage(format!("{} would be written twice", path.display())));
+                }
+                None => taken.push((path, place)),
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the folder, and tells before the run what cannot be written to.
+    pub fn prepare(&self) -> Result<(), Failure> {
+        if let Some(folder) = &self.folder {
+            fs::create_dir_all(folder).map_err(|error| {
+                Failure::data(format!("cannot make the folder {}: {error}", folder.display()))
+            })?;
+        }
+        for path in self.paths() {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            if folder.is_some_and(|folder| !folder.is_dir()) || path.is_dir() {
+                return Err(Failure::data(format!(
+                    "cannot write {}: no such folder, or a folder itself",
+                    path.display()
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    pub fn write(&self, trace: &Trace, circuit: &Circuit) -> Result<(), Failure> {
+        for path in &self.tables {
+            let mut bytes = Vec::new();
+            trace.write_csv(&mut bytes).map_err(|error| Failure::data(error.to_string()))?;
+            put(path, &bytes)?;
+        }
+        if self.sheets.is_empty() {
+            return Ok(());
+        }
+        let pictures = pictures(circuit, trace)?;
+        for (path, format) in &self.sheets {
+            let bytes = plot::render(&pictures, *format, Size::default());
+            put(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
+        }
+        Ok(())
+    }
+
+    pub fn told(&self) -> String {
+        let told: Vec<_> = self.paths().map(|path| format!("wrote {}\n", path.display())).collect();
+        if told.is_empty() { String::new() } else { format!("\n{}", told.concat()) }
+    }
+}
+
+/// Whether something stands there that takes what is written one after the other.
+fn is_stream(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
+}
+
+fn place(path: &Path) -> Result<PathBuf, Failure> {
+    destination(path).map_err(|error| Failure::usage(format!("\"{}\" is no file: {error}", path.display())))
+}
+
+fn put(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    write_whole(path, bytes)
+        .map_err(|error| Failure::data(format!("cannot write {}: {error}", path.display())))
+}
+
+/// The patch's pictures; where it asks for none, every recorded signal against time.
+fn pictures(circuit: &Circuit, trace: &Trace) -> Result<Vec<Picture>, Failure> {
+    let specs = circuit.picture_specs(trace.tracks.iter().map(|track| track.name.as_str()));
+    let drawn = specs.iter().map(|spec| instruments::picture(trace, spec, Some(parameter_line(circuit))));
+    drawn.collect::<Result<_, _>>().map_err(|error| Failure::data(error.to_string()))
+}
