@@ -6,9 +6,13 @@ use crate::patch::{Unit, engineering};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Display {
     factor: f64,
+    largest: f64,
     /// The unit shown; empty for pure numbers.
     pub unit: String,
 }
+
+/// A smaller share of the largest value is what rounding leaves of 0.
+const NEGLIGIBLE: f64 = 1e-12;
 
 impl Display {
     /// The display of values in `unit`, the largest of which (without sign) is `largest`.
@@ -17,7 +21,7 @@ impl Display {
             Ok(parsed) => engineering(&parsed, largest.abs()),
             Err(_) => (1.0, unit.to_owned()),
         };
-        Display { factor, unit: if shown == "1" { String::new() } else { shown } }
+        Display { factor, largest: largest.abs(), unit: if shown == "1" { String::new() } else { shown } }
     }
 
     /// A value in the unit shown.
@@ -25,9 +29,11 @@ impl Display {
         value * self.factor
     }
 
-    /// A value in the unit shown, to four digits, without the unit.
+    /// A value in the unit shown, to four digits, without the unit. What is nothing beside the largest value
+    /// is 0.
     pub fn number(&self, value: f64) -> String {
-        digits(self.value(value))
+        let is_rounding = value.abs() < NEGLIGIBLE * self.largest;
+        digits(if is_rounding { 0.0 } else { self.value(value) })
     }
 
     /// A value with its unit.
@@ -63,5 +69,11 @@ mod tests {
         assert_eq!(shown("1", 0.123456), "0.1235");
         assert_eq!(shown("V", -100.0), "-100 V");
         assert_eq!(shown("s", 0.0), "0 s");
+    }
+
+    #[test]
+    fn what_rounding_leaves_of_0_is_0() {
+        let display = Display::new("m", 5.0);
+        assert_eq!((display.number(-3.7e-22), display.number(1e-9)), ("0".into(), "1.000e-9".into()));
     }
 }
