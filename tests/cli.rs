@@ -126,6 +126,14 @@ fn a_wrong_command_line_ends_with_2() {
         &["run", FIG_8_16, "--every", "inf"],
         &["run", FIG_8_16, "--repeat", "0"],
         &["run", FIG_8_16, "--record", "v_p"],
+        &["run", FIG_8_16, "--record", "v_o,,v_i"],
+        &["run", FIG_8_16, "--record", "+100"],
+        &["run", FIG_8_16, "--every", "9"],
+        &["run", FIG_8_16, "--step", "9"],
+        &["run", FIG_8_16, "--for", "1e-4"],
+        &["run", FIG_8_16, "--step", "1e-300"],
+        &["run", FIG_8_16, "--for", "1e9"],
+        &["run", FIG_8_16, "--every", "1e-8", "--repeat", "2"],
         &["run", FIG_8_16, "--plot", &plot],
         &["run"],
         &["replay-all"],
@@ -135,6 +143,9 @@ fn a_wrong_command_line_ends_with_2() {
         let ran = patchcord(arguments);
         assert_eq!(code(&ran), 2, "{arguments:?}: {}", errors(&ran));
         assert!(!errors(&ran).is_empty(), "{arguments:?}");
+        assert!(!errors(&ran).contains("000000"), "{}", errors(&ran));
+        let told = patchcord(&[arguments, &["--json"][..]].concat());
+        assert_eq!((code(&told), &json(&told)["ok"]), (2, &false.into()), "{arguments:?}");
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
@@ -213,6 +224,131 @@ fn an_overload_is_told_with_what_it_caused() {
     let held =
         patchcord(&["run", FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1", "--hold-on-overload"]);
     assert!(out(&held).contains("held at t = "), "{}", out(&held));
+}
+
+const SPRING: &str = r#"{
+  "patchcord": 1,
+  "title": "Mass on a spring",
+  "scales": {"position": {"per_volt": 1, "unit": "mm"}},
+  "elements": {
+    "A1": {"kind": "integrator", "in": {"x10": ["P1"]}},
+    "A2": {"kind": "integrator", "in": {"x10": ["A1"]}, "initial": -50},
+    "B1": {"kind": "summer", "in": {"x1": ["A2"]}},
+    "P1": {"kind": "pot", "in": "B1", "setting": 0.394784176}
+  },
+  "signals": {"x": {"at": "B1", "scale": "position"}},
+  "run": {"for": 3.25, "step": 1e-3}
+}"#;
+
+/// A small patch in a folder of its own, one thing in it changed.
+fn spring_with(before: &str, after: &str) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "spring.json");
+    assert!(SPRING.contains(before), "{before}");
+    fs::write(&file, SPRING.replace(before, after)).unwrap();
+    (folder, file)
+}
+
+fn spring() -> (tempfile::TempDir, String) {
+    spring_with("", "")
+}
+
+#[test]
+fn readings_come_from_every_step_and_end_with_the_run() {
+    let (_folder, file) = spring();
+    let coarse = json(&patchcord(&["run", &file, "--every", "1", "--json"]));
+    let fine = json(&patchcord(&["run", &file, "--json"]));
+    assert_eq!((&coarse["samples"], &fine["samples"]), (&4.into(), &3251.into()));
+    assert_eq!(coarse["readings"], fine["readings"]);
+    let [x, t] = ["value", "t"].map(|key| coarse["readings"][0]["least"][key].as_f64().unwrap());
+    assert!((x + 50.0).abs() < 1e-6 && ((t % 1.0) - 0.5).abs() < 2e-3, "{coarse}");
+    assert!(coarse["readings"][0]["end"].as_f64().unwrap().abs() < 1e-6, "{coarse}");
+}
+
+#[test]
+fn a_run_that_stops_writes_what_it_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = path(&folder, "ball.csv");
+    // A ball that never comes to rest bounces without end.
+    let endless =
+        ["run", "tests/patches/bouncing-ball.json", "--set", "v_rest=0", "--set", "e=0.5", "--csv", &csv];
+    let ran = patchcord(&endless);
+    assert_eq!((code(&ran), out(&ran).as_str()), (1, ""));
+    assert!(errors(&ran).contains("it chatters"), "{}", errors(&ran));
+    let table = fs::read_to_string(&csv).unwrap();
+    let last = table.lines().last().unwrap().split(',').next().unwrap();
+    assert!(last.parse::<f64>().unwrap() > 1.0, "{last}");
+    assert!(errors(&ran).contains(&format!("the files hold the run up to t = {last} s")), "{}", errors(&ran));
+    let told = json(&patchcord(&[&endless[..], &["--json"]].concat()));
+    assert_eq!(
+        (&told["ok"], &told["code"], &told["files"][0]),
+        (&false.into(), &"chatter".into(), &csv.into())
+    );
+    assert_eq!(told["recorded_until"].to_string(), last);
+}
+
+#[test]
+fn a_missing_run_is_told_at_once_and_checks_nevertheless() {
+    let delay = r#""B1": {"kind": "summer", "in": {"x1": ["D1"]}}, "D1": {"kind": "delay", "in": "A2", "delay": 1e-6}"#;
+    let (_folder, file) = spring_with(r#""B1": {"kind": "summer", "in": {"x1": ["A2"]}}"#, delay);
+    let text = fs::read_to_string(&file).unwrap();
+    fs::write(&file, text.replace(",\n  \"run\": {\"for\": 3.25, \"step\": 1e-3}", "")).unwrap();
+    let ran = patchcord(&["run", &file]);
+    assert_eq!(code(&ran), 2);
+    assert!(errors(&ran).contains("give --for and --step"), "{}", errors(&ran));
+    let checked = patchcord(&["check", &file]);
+    assert_eq!((code(&checked), errors(&checked).as_str()), (0, ""));
+    let ran = patchcord(&["run", &file, "--for", "1", "--step", "1e-3"]);
+    assert_eq!(code(&ran), 2);
+    assert!(errors(&ran).ends_with("give one with --step\n"), "{}", errors(&ran));
+}
+
+#[test]
+fn warnings_are_counted_and_leave_an_unknown_parameter_a_wrong_command_line() {
+    let (_folder, file) = spring_with("\n  \"run\"", "\n  \"record\": [\"A1\", \"x\"],\n  \"run\"");
+    let checked = patchcord(&["check", &file]);
+    assert_eq!(code(&checked), 0);
+    assert!(out(&checked).contains("spring.json: no errors, 1 warning\n"), "{}", out(&checked));
+    assert_eq!(code(&patchcord(&["check", &file, "--set", "k=1"])), 2);
+}
+
+#[test]
+fn control_characters_do_not_reach_the_terminal() {
+    let (_folder, file) = spring_with("Mass on a spring", "Mass\\u001b[2J\\u0007\\u009b1m on a spring");
+    for arguments in [["check", &file], ["run", &file]] {
+        let shown = out(&patchcord(&arguments));
+        assert!(shown.contains("Mass[2J1m on a spring\n"), "{shown:?}");
+        assert!(shown.chars().all(|letter| letter == '\n' || !letter.is_control()), "{shown:?}");
+    }
+    let told = patchcord(&["check", &file, "--json"]);
+    assert_eq!(json(&told)["title"], "Mass\u{1b}[2J\u{7}\u{9b}1m on a spring");
+    assert!(out(&told).chars().all(|letter| letter == '\n' || !letter.is_control()));
+}
+
+#[test]
+fn names_to_record_may_stand_apart() {
+    let (_folder, file) = spring();
+    let ran = json(&patchcord(&["run", &file, "--record", "x, A1", "--json"]));
+    let names: Vec<_> =
+        ran["readings"].as_array().unwrap().iter().map(|reading| &reading["signal"]).collect();
+    assert_eq!(names, ["x", "A1"]);
+    assert_eq!(ran["sweeps"][0]["switchings"], 0);
+}
+
+#[test]
+fn a_ball_at_rest_reads_0() {
+    let ran = patchcord(&["run", "tests/patches/bouncing-ball.json", "--set", "e=0.5"]);
+    let told = out(&ran);
+    let height = told.lines().find(|line| line.starts_with("height")).unwrap();
+    assert_eq!(height.split_whitespace().nth(3), Some("0"), "{told}");
+}
+
+#[test]
+fn help_and_version_end_well() {
+    for arguments in [["--help"], ["--version"]] {
+        assert_eq!(code(&patchcord(&arguments)), 0);
+    }
+    assert!(out(&patchcord(&["run", "--json", "--help"])).contains("Usage"));
 }
 
 /// The lines of the README's block after these words.

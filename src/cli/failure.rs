@@ -2,20 +2,25 @@
 
 use std::process::ExitCode;
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-use super::{errors_in_colour, say_json, tell};
-use patchcord::patch::{PatchError, Report};
+use super::{errors_in_colour, say_json, tell, tell_coloured};
+use patchcord::patch::{PatchError, Report, Severity};
+use patchcord::solve::RunError;
 
 /// What is told, and whose fault it is.
 pub(super) struct Failure {
     cause: Cause,
     json: bool,
+    /// What the JSON document says beyond the message.
+    details: Map<String, Value>,
 }
 
 enum Cause {
     /// The command line is wrong.
     Usage(String),
+    /// The command line is wrong, which has been told at length.
+    Told(String),
     /// The patch or the data is wrong.
     Data(String),
     /// The patch is wrong, in these places.
@@ -23,12 +28,21 @@ enum Cause {
 }
 
 impl Failure {
+    fn new(cause: Cause) -> Self {
+        Failure { cause, json: false, details: Map::new() }
+    }
+
     pub fn usage(message: impl Into<String>) -> Self {
-        Failure { cause: Cause::Usage(message.into()), json: false }
+        Failure::new(Cause::Usage(message.into()))
+    }
+
+    /// A wrong command line that needs no more telling, but a JSON document and the exit code.
+    pub fn told(message: impl Into<String>) -> Self {
+        Failure::new(Cause::Told(message.into())).told_as_json(true)
     }
 
     pub fn data(message: impl Into<String>) -> Self {
-        Failure { cause: Cause::Data(message.into()), json: false }
+        Failure::new(Cause::Data(message.into()))
     }
 
     /// The same failure, told as a JSON document too.
@@ -36,11 +50,18 @@ impl Failure {
         Failure { json, ..self }
     }
 
+    /// The same failure; its JSON document says this as well.
+    pub fn with(mut self, key: &str, value: Value) -> Self {
+        self.details.insert(key.to_owned(), value);
+        self
+    }
+
     /// Tells the failure and gives the exit code.
     pub fn tell(self) -> ExitCode {
         match &self.cause {
             Cause::Usage(message) | Cause::Data(message) => tell(&format!("error: {message}")),
             Cause::Report(report) => tell_report(report),
+            Cause::Told(_) => (),
         }
         if self.json {
             // Standard output failing as well leaves nobody to tell.
@@ -51,27 +72,33 @@ impl Failure {
 
     fn code(&self) -> u8 {
         match &self.cause {
-            Cause::Usage(_) => 2,
+            Cause::Usage(_) | Cause::Told(_) => 2,
             Cause::Data(_) => 1,
-            // A finding without a place in the file comes from the command line.
-            Cause::Report(report) => {
-                if report.findings.iter().all(|finding| finding.span.is_none()) {
-                    2
-                } else {
-                    1
-                }
-            }
+            Cause::Report(report) if is_of_the_command_line(report) => 2,
+            Cause::Report(_) => 1,
         }
     }
 
     fn document(&self) -> Value {
-        match &self.cause {
-            Cause::Usage(message) | Cause::Data(message) => json!({"ok": false, "error": message}),
+        let mut document = match &self.cause {
+            Cause::Usage(message) | Cause::Told(message) | Cause::Data(message) => {
+                json!({"ok": false, "error": message})
+            }
             Cause::Report(report) => {
                 json!({"ok": false, "patch": report.file, "diagnostics": report.to_json()})
             }
+        };
+        if let Value::Object(entries) = &mut document {
+            entries.extend(self.details.clone());
         }
+        document
     }
+}
+
+/// An error without a place in the file comes from the command line.
+fn is_of_the_command_line(report: &Report) -> bool {
+    let mut errors = report.findings.iter().filter(|finding| finding.code.severity() == Severity::Error);
+    errors.all(|finding| finding.span.is_none())
 }
 
 /// Prints the findings and how many there are.
@@ -79,20 +106,26 @@ pub(super) fn tell_report(report: &Report) {
     if report.findings.is_empty() {
         return;
     }
-    tell(&report.render(errors_in_colour()));
-    let count = |number: usize, noun: &str| match number {
-        0 => None,
-        1 => Some(format!("1 {noun}")),
-        many => Some(format!("{many} {noun}s")),
-    };
-    let counts = [count(report.errors(), "error"), count(report.warnings(), "warning")];
-    let counts: Vec<_> = counts.into_iter().flatten().collect();
-    tell(&format!("\n{}: {}", report.file, counts.join(", ")));
+    tell_coloured(&report.render(errors_in_colour()));
+    tell(&format!("\n{}: {}", report.file, counted(report)));
+}
+
+/// How many errors and warnings there are, those of which there are any.
+fn counted(report: &Report) -> String {
+    let counts = [(report.errors(), "error"), (report.warnings(), "warning")];
+    let told =
+        counts.iter().filter(|(number, _)| *number > 0).map(|(number, noun)| plural(*number as u64, noun));
+    told.collect::<Vec<_>>().join(", ")
+}
+
+/// "1 step", "2 steps".
+pub(super) fn plural(number: u64, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
 }
 
 impl From<Box<Report>> for Failure {
     fn from(report: Box<Report>) -> Self {
-        Failure { cause: Cause::Report(report), json: false }
+        Failure::new(Cause::Report(report))
     }
 }
 
@@ -105,8 +138,8 @@ impl From<PatchError> for Failure {
     }
 }
 
-impl From<patchcord::solve::RunError> for Failure {
-    fn from(error: patchcord::solve::RunError) -> Self {
-        Failure::data(error.to_string())
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        Failure::data(error.to_string()).with("code", error.code().into())
     }
 }

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde_json::Value;
 
 use super::failure::Failure;
 use super::load::parameter_line;
@@ -116,6 +117,10 @@ impl Files {
             put(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
         }
         Ok(())
+    }
+
+    pub fn json(&self) -> Value {
+        self.paths().map(|path| path.display().to_string()).collect()
     }
 
     pub fn told(&self) -> String {

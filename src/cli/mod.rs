@@ -6,6 +6,7 @@ mod failure;
 mod files;
 mod load;
 mod machines;
+mod progress;
 mod run;
 mod table;
 
@@ -40,11 +41,9 @@ enum Command {
 /// Runs the command line of this process. Exit codes: 0 done, 1 the patch or the data is wrong, 2 the command
 /// line is wrong.
 pub fn main() -> ExitCode {
-    let outcome = match Arguments::parse().command {
-        Command::Check(arguments) => check::check(&arguments),
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Elements(arguments) => elements::elements(&arguments),
-        Command::Machines(arguments) => machines::machines(&arguments),
+    let outcome = match Arguments::try_parse() {
+        Ok(arguments) => carry_out(&arguments.command),
+        Err(error) => refused(&error),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -52,8 +51,43 @@ pub fn main() -> ExitCode {
     }
 }
 
+fn carry_out(command: &Command) -> Result<(), Failure> {
+    match command {
+        Command::Check(arguments) => check::check(arguments),
+        Command::Run(arguments) => run::run(arguments),
+        Command::Elements(arguments) => elements::elements(arguments),
+        Command::Machines(arguments) => machines::machines(arguments),
+    }
+}
+
+/// Help and the version, or what is wrong with the command line: as a JSON document too where it asks for one.
+fn refused(error: &clap::Error) -> Result<(), Failure> {
+    if !error.use_stderr() || !std::env::args_os().any(|argument| argument == "--json") {
+        error.exit();
+    }
+    let told = error.render().to_string();
+    tell(told.trim_end());
+    let first = told.split("\n\n").next().unwrap_or_default();
+    Err(Failure::told(first.trim_start_matches("error: ")))
+}
+
 /// Writes to standard output. A reader that has gone away is no error of ours.
 fn say(text: &str) -> Result<(), Failure> {
+    write_out(&printable(text))
+}
+
+/// Writes a JSON document; control characters in its texts are escaped, so that they read back as they were.
+fn say_json(value: &Value) -> Result<(), Failure> {
+    let text = format!("{value:#}\n");
+    let escaped = text.chars().map(|letter| match letter {
+        '\n' => "\n".to_owned(),
+        letter if letter.is_control() => format!("\\u{:04x}", u32::from(letter)),
+        letter => letter.to_string(),
+    });
+    write_out(&escaped.collect::<String>())
+}
+
+fn write_out(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -63,13 +97,27 @@ fn say(text: &str) -> Result<(), Failure> {
     }
 }
 
-fn say_json(value: &Value) -> Result<(), Failure> {
-    say(&format!("{value:#}\n"))
-}
-
 /// Writes a message to standard error, where nobody may be listening either.
 fn tell(text: &str) {
-    let _ = writeln!(io::stderr().lock(), "{text}");
+    let _ = writeln!(io::stderr().lock(), "{}", printable(text));
+}
+
+/// Writes a message with colours of our own to standard error.
+fn tell_coloured(text: &str) {
+    let mut parts = text.split("\x1b[");
+    let mut shown = printable(parts.next().unwrap_or_default());
+    for part in parts {
+        let end = part.find(|letter: char| !letter.is_ascii_digit() && letter != ';').unwrap_or(part.len());
+        let is_colour = part[end..].starts_with('m');
+        shown += if is_colour { "\x1b[" } else { "[" };
+        shown += &printable(part);
+    }
+    let _ = writeln!(io::stderr().lock(), "{shown}");
+}
+
+/// A text without the control characters by which a file could play tricks on a terminal.
+fn printable(text: &str) -> String {
+    text.replace('\t', " ").chars().filter(|letter| *letter == '\n' || !letter.is_control()).collect()
 }
 
 fn errors_in_colour() -> bool {

@@ -3,15 +3,17 @@
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::failure::Failure;
+use super::failure::{Failure, plural};
 use super::files::{FileArguments, Files};
 use super::load::{Loaded, PatchArguments, parameter_line, parameters_json};
+use super::progress::Progress;
 use super::table::Table;
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{self, Display, Reading};
-use patchcord::solve::{self, Overload, RunError, RunSettings};
-use patchcord::trace::Trace;
+use patchcord::program::Program;
+use patchcord::solve::{self, RunError, RunSettings, Stopped, TimeSetting};
+use patchcord::trace::{Overload, Trace};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -33,7 +35,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     hold_on_overload: bool,
     /// Record these signals, drives or elements instead of those that the patch names
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = name)]
     record: Vec<String>,
     #[command(flatten)]
     files: FileArguments,
@@ -48,29 +50,41 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+fn name(text: &str) -> Result<String, String> {
+    let name = text.trim();
+    if name.is_empty() { Err("a name is missing".to_owned()) } else { Ok(name.to_owned()) }
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let json = arguments.patch.json;
-    let files =
-        arguments.files.files(&arguments.patch.patch).map_err(|failure| failure.told_as_json(json))?;
+    carry_out(arguments).map_err(|failure| failure.told_as_json(arguments.patch.json))
+}
+
+fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
+    let files = arguments.files.files(&arguments.patch.patch)?;
     let Loaded { circuit, program } = arguments.patch.load()?;
-    let settings = arguments.settings(&circuit).map_err(|failure| failure.told_as_json(json))?;
-    files.prepare().map_err(|failure| failure.told_as_json(json))?;
-    let outcome = solve::run(&program, &settings);
-    let trace = match &outcome {
-        Err(RunError::NotANumber { trace: Some(trace), .. }) => trace.as_ref(),
+    let settings = arguments.settings(&circuit)?;
+    files.prepare()?;
+    let trace = match watched(&program, &settings) {
         Ok(trace) => trace,
-        Err(error) => return Err(Failure::from(error.clone()).told_as_json(json)),
+        Err(stopped) => return Err(arguments.stopped(*stopped, &files, &circuit)),
     };
-    files.write(trace, &circuit).map_err(|failure| failure.told_as_json(json))?;
-    if let Err(error) = &outcome {
-        return Err(Failure::from(error.clone()).told_as_json(json));
+    files.write(&trace, &circuit)?;
+    if arguments.patch.json {
+        return say_json(&document(&circuit, &settings, &trace, &files));
     }
-    if json {
-        return say_json(&document(&circuit, &settings, trace, &files));
-    }
-    say(&readings_table(&circuit, trace))?;
-    say(&format!("\n{}{}", work_told(trace), overloads_told(trace)))?;
+    say(&readings_table(&circuit, &trace))?;
+    say(&format!("\n{}{}", work_told(&trace), overloads_told(&trace)))?;
     say(&files.told())
+}
+
+fn watched(program: &Program, settings: &RunSettings) -> Result<Trace, Box<Stopped>> {
+    let mut progress = Progress::new(settings.duration * settings.repeat as f64);
+    let outcome = solve::run_watched(program, settings, &mut |time| {
+        if let Some(progress) = &mut progress {
+            progress.step(time);
+        }
+    });
+    outcome.map_err(Box::new)
 }
 
 impl Arguments {
@@ -82,11 +96,53 @@ impl Arguments {
         plan.every = self.every.map(given).or(plan.every);
         plan.repeat = self.repeat.map(|times| given(f64::from(times))).or(plan.repeat);
         plan.hold_on_overload |= self.hold_on_overload;
-        let mut settings = RunSettings::new(&plan, circuit)?;
+        let mut settings = RunSettings::new(&plan, circuit).map_err(|error| self.refused(&error))?;
         if !self.record.is_empty() {
             settings.record = self.recorded(circuit)?;
         }
+        settings.check().map_err(|error| self.refused(&error))?;
         Ok(settings)
+    }
+
+    /// What the error says, and which option helps. Who gave options is asked to give others.
+    fn refused(&self, error: &RunError) -> Failure {
+        let message = match advice(error) {
+            Some(advice) => format!("{error}: {advice}"),
+            None => error.to_string(),
+        };
+        let failure = if self.is_to_blame(error) { Failure::usage(message) } else { Failure::data(message) };
+        failure.with("code", error.code().into())
+    }
+
+    /// Whether an error comes from options rather than from the patch.
+    fn is_to_blame(&self, error: &RunError) -> bool {
+        let times = [self.duration, self.step, self.every].iter().any(Option::is_some);
+        match error {
+            RunError::Missing(_) => true,
+            RunError::LongerThanRun { .. } | RunError::NotATime { .. } => times,
+            RunError::TooManySteps { .. } => times || self.repeat.is_some(),
+            RunError::TooManyNumbers { .. } => times || self.repeat.is_some() || !self.record.is_empty(),
+            RunError::DelayTooShort { .. } => self.step.is_some(),
+            _ => false,
+        }
+    }
+
+    /// Writes what was recorded before the run stopped, and tells why it did.
+    fn stopped(&self, stopped: Stopped, files: &Files, circuit: &Circuit) -> Failure {
+        let Some(last) = stopped.trace.time.last() else { return self.refused(&stopped.error) };
+        let failure = |more: &str| {
+            Failure::data(format!("{}{more}", stopped.error)).with("code", stopped.error.code().into())
+        };
+        if files.paths().next().is_none() {
+            return failure("");
+        }
+        if let Err(unwritten) = files.write(&stopped.trace, circuit) {
+            unwritten.tell();
+            return failure("");
+        }
+        failure(&format!("\nthe files hold the run up to t = {last} s"))
+            .with("recorded_until", (*last).into())
+            .with("files", files.json())
     }
 
     /// The signals asked for, and those that the pictures show if they are drawn.
@@ -128,11 +184,25 @@ fn readings_table(circuit: &Circuit, trace: &Trace) -> String {
     format!("{title}\n{}\n\n{}", parameter_line(circuit), table.text())
 }
 
+/// The options that put an error right.
+fn advice(error: &RunError) -> Option<String> {
+    let option = |time: &TimeSetting| format!("--{}", time.key());
+    match error {
+        RunError::Missing(times) => {
+            Some(format!("give {}", times.iter().map(option).collect::<Vec<_>>().join(" and ")))
+        }
+        RunError::LongerThanRun { which, .. } => Some(format!("give a shorter one with {}", option(which))),
+        RunError::DelayTooShort { .. } => Some("give one with --step".to_owned()),
+        RunError::TooManySteps { .. } => Some("give a longer --step or a shorter --for".to_owned()),
+        RunError::TooManyNumbers { .. } => Some("give a longer --every or a shorter --for".to_owned()),
+        _ => None,
+    }
+}
+
 fn work_told(trace: &Trace) -> String {
-    let steps: u64 = trace.sweeps.iter().map(|sweep| sweep.work.steps).sum();
-    let changes: u64 = trace.sweeps.iter().map(|sweep| sweep.work.changes).sum();
-    let plural = if changes == 1 { "" } else { "s" };
-    format!("{steps} steps, {changes} change{plural} of mode\n")
+    let steps = trace.sweeps.iter().map(|sweep| sweep.work.steps).sum();
+    let switchings = trace.sweeps.iter().map(|sweep| sweep.work.changes).sum();
+    format!("{}, {}\n", plural(steps, "step"), plural(switchings, "switching"))
 }
 
 fn overloads_told(trace: &Trace) -> String {
@@ -174,11 +244,11 @@ fn document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files: &Fi
         "sweeps": trace.sweeps.iter().map(|sweep| json!({
             "end": sweep.end,
             "steps": sweep.work.steps,
-            "changes": sweep.work.changes,
+            "switchings": sweep.work.changes,
             "held": sweep.held,
             "overloads": sweep.overloads.iter().map(overload_json).collect::<Value>(),
         })).collect::<Value>(),
-        "files": files.paths().map(|path| path.display().to_string()).collect::<Value>(),
+        "files": files.json(),
     })
 }
 

@@ -1,6 +1,6 @@
 //! The digital voltmeter: what a signal was at the start and the end, and how far it went.
 
-use crate::trace::{Trace, Track};
+use crate::trace::{Moment, Trace, Track};
 
 /// A signal's reading, in the signal's unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -9,17 +9,17 @@ pub struct Reading {
     pub signal: String,
     /// Text of its unit.
     pub unit: String,
-    /// First sample.
+    /// Value at the beginning of the run.
     pub start: f64,
-    /// Last sample.
+    /// Value at the end of the run.
     pub end: f64,
-    /// Least sample.
+    /// Least value of the whole run.
     pub least: Extreme,
-    /// Largest sample.
+    /// Largest value of the whole run.
     pub most: Extreme,
 }
 
-/// An extreme value of a signal and when it was recorded first.
+/// An extreme value of a signal and when it was met first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extreme {
     /// In the signal's unit.
@@ -35,23 +35,24 @@ impl Reading {
     }
 }
 
-/// Reads every recorded signal; nothing where nothing was recorded.
+/// Reads every recorded signal, between its samples too; nothing where nothing was seen.
 pub fn readings(trace: &Trace) -> Vec<Reading> {
-    trace.tracks.iter().filter_map(|track| reading(trace, track)).collect()
+    trace.tracks.iter().filter_map(reading).collect()
 }
 
-fn reading(trace: &Trace, track: &Track) -> Option<Reading> {
-    let samples = || trace.time.iter().copied().zip(track.values());
-    // The first of equal extremes counts: min_by keeps the first, so the largest is the least of the opposite.
-    let least = samples().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let most = samples().min_by(|a, b| b.1.total_cmp(&a.1))?;
+fn reading(track: &Track) -> Option<Reading> {
+    let course = track.course?;
+    let extreme = |moment: Moment| Extreme { time: moment.time, value: moment.volts * track.per_volt };
+    let (lower, upper) = (extreme(course.least), extreme(course.most));
+    // A scale below 0 turns what is up down.
+    let (least, most) = if track.per_volt < 0.0 { (upper, lower) } else { (lower, upper) };
     Some(Reading {
         signal: track.name.clone(),
         unit: track.unit.clone(),
-        start: track.values().next()?,
-        end: track.values().last()?,
-        least: Extreme { time: least.0, value: least.1 },
-        most: Extreme { time: most.0, value: most.1 },
+        start: course.start * track.per_volt,
+        end: course.end * track.per_volt,
+        least,
+        most,
     })
 }
 
@@ -59,20 +60,35 @@ fn reading(trace: &Trace, track: &Track) -> Option<Reading> {
 mod tests {
     use super::*;
 
+    fn trace(track: Track) -> Trace {
+        Trace { tracks: vec![track], ..Trace::default() }
+    }
+
     #[test]
     fn extremes_are_found_with_their_first_time() {
-        let track =
-            Track { name: "x".into(), unit: "m".into(), per_volt: -2.0, volts: vec![0.0, 3.0, -1.0, 3.0] };
-        let trace = Trace { time: vec![0.0, 1.0, 2.0, 3.0], tracks: vec![track], ..Trace::default() };
-        let reading = &readings(&trace)[0];
+        let mut track = Track::new("x", "m", -2.0);
+        for (time, volts) in [(0.0, 0.0), (1.0, 3.0), (2.0, -1.0), (3.0, 3.0)] {
+            track.record(time, volts);
+        }
+        let reading = &readings(&trace(track))[0];
         assert_eq!((reading.start, reading.end), (0.0, -6.0));
         assert_eq!((reading.least.value, reading.least.time), (-6.0, 1.0));
         assert_eq!((reading.most.value, reading.most.time), (2.0, 2.0));
     }
 
     #[test]
+    fn what_is_seen_between_samples_counts() {
+        let mut track = Track::new("x", "m", 1.0);
+        track.record(0.0, 1.0);
+        track.see(0.5, 7.0);
+        track.record(1.0, 1.0);
+        track.see(1.5, 2.0);
+        let reading = &readings(&trace(track))[0];
+        assert_eq!((reading.most.value, reading.most.time, reading.end), (7.0, 0.5, 2.0));
+    }
+
+    #[test]
     fn an_empty_trace_has_no_readings() {
-        let track = Track { name: "x".into(), unit: "m".into(), per_volt: 1.0, volts: Vec::new() };
-        assert!(readings(&Trace { tracks: vec![track], ..Trace::default() }).is_empty());
+        assert!(readings(&trace(Track::new("x", "m", 1.0))).is_empty());
     }
 }

@@ -1,5 +1,8 @@
 //! Why a run stopped, or never began.
 
+use std::fmt;
+
+use crate::patch::told;
 use crate::trace::Trace;
 
 /// What went wrong with a run.
@@ -12,8 +15,6 @@ pub enum RunError {
         element: String,
         /// When, in problem seconds.
         time: f64,
-        /// What was recorded until then.
-        trace: Option<Box<Trace>>,
     },
     /// A loop without an integrator that has not exactly one solution.
     #[error("at t = {time} s the loop {members} has no integrator and {solutions}")]
@@ -27,8 +28,8 @@ pub enum RunError {
     },
     /// Changes of mode without end.
     #[error(
-        "{element} changed its mode more than {most} times within one step at t = {time} s: it chatters; \
-         give it hysteresis, or take a shorter step"
+        "{element} switched more than {most} times within one step at t = {time} s: it chatters; give it \
+         hysteresis, or take a shorter step"
     )]
     Chatter {
         /// The element.
@@ -40,7 +41,8 @@ pub enum RunError {
     },
     /// A delay shorter than the step.
     #[error(
-        "{element} delays by {delay} s, less than the step of {step} s; take a step of at most {delay} s (--step)"
+        "{element} delays by {delay} s, less than the step of {step} s; take a step of at most {delay} s",
+        delay = told(*delay), step = told(*step)
     )]
     DelayTooShort {
         /// The delay line.
@@ -56,8 +58,14 @@ pub enum RunError {
     /// An element that does not exist.
     #[error("there is no element {0}")]
     UnknownElement(String),
+    /// A signal that does not exist.
+    #[error("there is no signal {0} to record")]
+    UnknownSignal(String),
     /// A parameter, or what follows from it, outside what is allowed.
-    #[error("{what} comes to {value}, outside {low} ... {high}")]
+    #[error(
+        "{what} comes to {value}, outside {low} ... {high}",
+        value = told(*value), low = told(*low), high = told(*high)
+    )]
     OutsideRange {
         /// The parameter or the setting.
         what: String,
@@ -68,7 +76,121 @@ pub enum RunError {
         /// Largest value allowed.
         high: f64,
     },
-    /// Lengths of time that make no run.
-    #[error("{0}")]
-    Plan(String),
+    /// Times that a run cannot do without, and that nobody gave.
+    #[error("the patch's \"run\" does not give {}", listed(.0))]
+    Missing(Vec<TimeSetting>),
+    /// A time that is none.
+    #[error("{which} must be a time above 0 s, not {value} s", value = told(*value))]
+    NotATime {
+        /// What it is for.
+        which: TimeSetting,
+        /// What was given.
+        value: f64,
+    },
+    /// A step, or a time between samples, that is longer than the run.
+    #[error(
+        "{which} is {value} s, longer than the run of {duration} s",
+        value = told(*value), duration = told(*duration)
+    )]
+    LongerThanRun {
+        /// What it is for.
+        which: TimeSetting,
+        /// Its length in problem seconds.
+        value: f64,
+        /// Length of the run in problem seconds.
+        duration: f64,
+    },
+    /// More steps than anybody will wait for.
+    #[error("the run would take {steps} steps; at most {most} are allowed", steps = told(*steps), most = told(*most))]
+    TooManySteps {
+        /// Steps of all its repetitions.
+        steps: f64,
+        /// The limit.
+        most: f64,
+    },
+    /// More recorded numbers than fit into memory.
+    #[error(
+        "the run would record {numbers} numbers; at most {most} are allowed",
+        numbers = told(*numbers), most = told(*most)
+    )]
+    TooManyNumbers {
+        /// Samples of all its repetitions, times and signals.
+        numbers: f64,
+        /// The limit.
+        most: f64,
+    },
+}
+
+impl RunError {
+    /// A name that never changes, for programs that read failures.
+    pub fn code(&self) -> &'static str {
+        match self {
+            RunError::NotANumber { .. } => "not-a-number",
+            RunError::Loop { .. } => "loop-unsolved",
+            RunError::Chatter { .. } => "chatter",
+            RunError::DelayTooShort { .. } => "delay-too-short",
+            RunError::UnknownParameter(_) => "unknown-parameter",
+            RunError::UnknownElement(_) => "unknown-element",
+            RunError::UnknownSignal(_) => "unknown-signal",
+            RunError::OutsideRange { .. } => "outside-range",
+            RunError::Missing(_) => "missing-time",
+            RunError::NotATime { .. } => "not-a-time",
+            RunError::LongerThanRun { .. } => "longer-than-run",
+            RunError::TooManySteps { .. } => "too-many-steps",
+            RunError::TooManyNumbers { .. } => "too-many-numbers",
+        }
+    }
+}
+
+/// The times that a run is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TimeSetting {
+    /// Length of the run.
+    Duration,
+    /// Step of the solver.
+    Step,
+    /// Time between recorded samples.
+    Every,
+}
+
+impl TimeSetting {
+    /// Its key in the `run` of a patch.
+    pub fn key(self) -> &'static str {
+        match self {
+            TimeSetting::Duration => "for",
+            TimeSetting::Step => "step",
+            TimeSetting::Every => "every",
+        }
+    }
+}
+
+impl fmt::Display for TimeSetting {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            TimeSetting::Duration => "the length of the run",
+            TimeSetting::Step => "the step",
+            TimeSetting::Every => "the time between samples",
+        })
+    }
+}
+
+fn listed(times: &[TimeSetting]) -> String {
+    let told: Vec<_> = times.iter().map(|time| format!("{time} (\"{}\")", time.key())).collect();
+    told.join(" and ")
+}
+
+/// A run that did not come to its end.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{error}")]
+pub struct Stopped {
+    /// Why it stopped.
+    pub error: RunError,
+    /// What was recorded until then; empty where the run never began.
+    pub trace: Box<Trace>,
+}
+
+impl From<RunError> for Stopped {
+    fn from(error: RunError) -> Self {
+        Stopped { error, trace: Box::default() }
+    }
 }

@@ -1,10 +1,11 @@
 //! The machine: a program with states, modes and a clock, in one of the modes of an analogue computer.
 
 use super::delay_line::{DelayLine, Output};
-use super::error::RunError;
+use super::error::{RunError, TimeSetting};
 use super::grid::Grid;
-use super::overload::{self, Lit, Overload};
+use super::overload::{self, Lit};
 use crate::program::{Linearisation, OperatingPoint, Program, Scratch, Sources};
+use crate::trace::{Overload, Work};
 
 /// What the machine is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,15 +16,6 @@ pub enum MachineMode {
     Operate,
     /// Integrators keep their outputs, time stands still; pots may be turned and voltages read.
     Hold,
-}
-
-/// What a run took.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Work {
-    /// Steps, those shortened to meet a change of mode counted too.
-    pub steps: u64,
-    /// Changes of mode.
-    pub changes: u64,
 }
 
 /// Share of a step within which instants are the same.
@@ -102,7 +94,7 @@ impl<'p> Machine<'p> {
     /// condition is not a number.
     pub fn new(program: &'p Program, step: f64) -> Result<Self, RunError> {
         if !(step > 0.0 && step.is_finite()) {
-            return Err(RunError::Plan(format!("the step must be a time above 0, not {step} s")));
+            return Err(RunError::NotATime { which: TimeSetting::Step, value: step });
         }
         let parameters: Vec<f64> = program.parameters.iter().map(|slot| slot.value).collect();
         let coefficients = program.prepare(&parameters);
@@ -167,7 +159,7 @@ impl<'p> Machine<'p> {
     /// The same, seen by a witness.
     pub(super) fn operate_with(&mut self, length: f64, witness: &mut impl Witness) -> Result<(), RunError> {
         if !(length >= 0.0 && length.is_finite()) {
-            return Err(RunError::Plan(format!("a run lasts a time of 0 s or more, not {length} s")));
+            return Err(RunError::NotATime { which: TimeSetting::Duration, value: length });
         }
         self.mode = MachineMode::Operate;
         let begin = self.time;

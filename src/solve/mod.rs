@@ -11,7 +11,7 @@ mod rk4;
 mod run;
 mod watch;
 
-pub use error::RunError;
-pub use machine::{Machine, MachineMode, Work};
-pub use overload::Overload;
-pub use run::{RunSettings, run};
+pub use crate::trace::{Overload, Work};
+pub use error::{RunError, Stopped, TimeSetting};
+pub use machine::{Machine, MachineMode};
+pub use run::{RunSettings, run, run_watched};

@@ -1,19 +1,7 @@
 //! Overload lamps: which lit, when, how far the amplifier was asked to go, and what caused it.
 
 use crate::program::Program;
-
-/// An overload lamp that lit. Lamps stay lit until the next initial condition.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Overload {
-    /// The amplifier.
-    pub element: String,
-    /// When it was first asked for more than 100 V, in problem seconds.
-    pub time: f64,
-    /// The largest voltage, without sign, that it was asked for.
-    pub peak: f64,
-    /// The overload that caused it: the earliest among the amplifiers from which a chain of cords leads here.
-    pub caused_by: Option<String>,
-}
+use crate::trace::Overload;
 
 /// A lamp while the machine runs.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! A whole run: initial condition, operate, recorded; once, or again and again.
 
-use super::error::RunError;
+use super::error::{RunError, Stopped, TimeSetting};
 use super::grid::Grid;
 use super::machine::{Machine, Witness};
 use crate::circuit::Circuit;
@@ -40,76 +40,105 @@ impl RunSettings {
     /// # Errors
     /// When the plan does not say how long to run or with which step.
     pub fn new(plan: &RunPlan, circuit: &Circuit) -> Result<RunSettings, RunError> {
-        let need = |value: Option<f64>, key: &str, option: &str| {
-            value.ok_or_else(|| {
-                RunError::Plan(format!("the patch's \"run\" has no \"{key}\": give one with {option}"))
-            })
-        };
-        let step = need(plan.step.as_ref().map(|placed| placed.value), "step", "--step")?;
+        let (Some(duration), Some(step)) = (&plan.duration, &plan.step) else { return Err(missing(plan)) };
         Ok(RunSettings {
-            duration: need(plan.duration.as_ref().map(|placed| placed.value), "for", "--for")?,
-            step,
-            every: plan.every.as_ref().map_or(step, |placed| placed.value),
+            duration: duration.value,
+            step: step.value,
+            every: plan.every.as_ref().map_or(step.value, |placed| placed.value),
             repeat: plan.repeat.as_ref().map_or(1, |placed| placed.value as usize),
             hold_on_overload: plan.hold_on_overload,
             record: circuit.recorded(),
         })
     }
 
-    fn check(&self) -> Result<(), RunError> {
-        for (name, value) in [("--for", self.duration), ("--step", self.step), ("--every", self.every)] {
+    /// Whether a run can be made of the settings.
+    ///
+    /// # Errors
+    /// When a time is none, the step or the time between samples is longer than the run, or the run would
+    /// take more steps or more memory than can be had.
+    pub fn check(&self) -> Result<(), RunError> {
+        let parts = [(TimeSetting::Step, self.step), (TimeSetting::Every, self.every)];
+        for (which, value) in [(TimeSetting::Duration, self.duration)].into_iter().chain(parts) {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(RunError::Plan(format!("{name} takes a time above 0 s, not {value}")));
+                return Err(RunError::NotATime { which, value });
             }
         }
-        let rows = self.duration / self.every * self.repeat as f64;
-        if self.duration / self.step > MOST_STEPS || rows > MOST_ROWS {
-            let message =
-                format!("a run of {} s would take more steps or rows than can be kept", self.duration);
-            return Err(RunError::Plan(message));
+        for (which, value) in parts {
+            if value > self.duration * (1.0 + SAME) {
+                return Err(RunError::LongerThanRun { which, value, duration: self.duration });
+            }
+        }
+        self.check_size()
+    }
+
+    fn check_size(&self) -> Result<(), RunError> {
+        let repeat = self.repeat.max(1) as f64;
+        let steps = self.duration / self.step * repeat;
+        if steps > MOST_STEPS {
+            return Err(RunError::TooManySteps { steps, most: MOST_STEPS });
+        }
+        let rows = ((self.duration / self.every).floor() + 1.0) * repeat;
+        let numbers = rows * (self.record.len() + 1) as f64;
+        if numbers > MOST_NUMBERS {
+            return Err(RunError::TooManyNumbers { numbers, most: MOST_NUMBERS });
         }
         Ok(())
     }
 }
 
-/// More steps than this are a slip of the pen.
-const MOST_STEPS: f64 = 1e12;
-/// More rows than this do not fit into memory.
-const MOST_ROWS: f64 = 1e9;
+fn missing(plan: &RunPlan) -> RunError {
+    let times = [(TimeSetting::Duration, &plan.duration), (TimeSetting::Step, &plan.step)];
+    RunError::Missing(times.iter().filter(|(_, given)| given.is_none()).map(|(which, _)| *which).collect())
+}
+
+/// More steps than this, a day's work, are a slip of the pen.
+const MOST_STEPS: f64 = 1e11;
+/// The numbers of a trace take 8 bytes each, and as much again while they are written.
+const MOST_NUMBERS: f64 = 2e8;
 
 /// Runs a program from initial condition and records it.
 ///
 /// # Errors
 /// When the settings make no run, a signal is not known, or the run had to stop; what was recorded until
-/// then is in the error where a voltage was not a number.
-pub fn run(program: &Program, settings: &RunSettings) -> Result<Trace, RunError> {
+/// then comes with the error.
+pub fn run(program: &Program, settings: &RunSettings) -> Result<Trace, Stopped> {
+    run_watched(program, settings, &mut |_| ())
+}
+
+/// The same, telling after every step how many seconds of problem time have been run, repetitions added up.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn run_watched(
+    program: &Program,
+    settings: &RunSettings,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Trace, Stopped> {
     settings.check()?;
     let mut machine = Machine::new(program, settings.step)?;
-    let mut recorder = Recorder::new(program, &machine, settings)?;
+    let mut recorder = Recorder::new(program, &machine, settings, progress)?;
     for _ in 0..settings.repeat.max(1) {
-        machine.initial_condition()?;
-        recorder.begin(&machine);
-        let outcome = machine.operate_with(settings.duration, &mut recorder);
-        recorder.end(&machine);
-        if let Err(error) = outcome {
-            return Err(with_trace(error, recorder.trace));
+        if let Err(error) = sweep(&mut machine, &mut recorder, settings.duration) {
+            return Err(Stopped { error, trace: Box::new(recorder.trace) });
         }
     }
     Ok(recorder.trace)
 }
 
-fn with_trace(error: RunError, trace: Trace) -> RunError {
-    match error {
-        RunError::NotANumber { element, time, .. } => {
-            RunError::NotANumber { element, time, trace: Some(Box::new(trace)) }
-        }
-        other => other,
-    }
+fn sweep(machine: &mut Machine<'_>, recorder: &mut Recorder<'_>, duration: f64) -> Result<(), RunError> {
+    machine.initial_condition()?;
+    recorder.begin(machine);
+    let outcome = machine.operate_with(duration, recorder);
+    recorder.end(machine);
+    outcome
 }
 
 /// Writes down voltages on a time grid of its own.
-struct Recorder {
+struct Recorder<'a> {
     trace: Trace,
+    progress: &'a mut dyn FnMut(f64),
+    /// Time run before this sweep.
+    before: f64,
     probes: Vec<Probe>,
     grid: Grid,
     next: u64,
@@ -117,15 +146,21 @@ struct Recorder {
     hold_on_overload: bool,
 }
 
-impl Recorder {
-    fn new(program: &Program, machine: &Machine<'_>, settings: &RunSettings) -> Result<Self, RunError> {
+impl<'a> Recorder<'a> {
+    fn new(
+        program: &Program,
+        machine: &Machine<'_>,
+        settings: &RunSettings,
+        progress: &'a mut dyn FnMut(f64),
+    ) -> Result<Self, RunError> {
         let probes: Result<Vec<_>, _> = settings.record.iter().map(|name| find(program, name)).collect();
         let probes = probes?;
         let tracks = probes.iter().map(|probe| track(probe, machine)).collect();
         let grid = Grid::new(settings.every);
         let last = grid.steps_in(settings.duration);
-        let (trace, hold_on_overload) = (Trace { tracks, ..Trace::default() }, settings.hold_on_overload);
-        Ok(Recorder { trace, probes, grid, next: 0, last, hold_on_overload })
+        let trace = Trace { tracks, ..Trace::default() };
+        let hold_on_overload = settings.hold_on_overload;
+        Ok(Recorder { trace, progress, before: 0.0, probes, grid, next: 0, last, hold_on_overload })
     }
 
     fn begin(&mut self, machine: &Machine<'_>) {
@@ -142,6 +177,7 @@ impl Recorder {
             sweep.work = machine.work();
             sweep.held = machine.mode() == super::MachineMode::Hold;
         }
+        self.before += machine.time();
     }
 
     /// The next instant of the grid, if it comes before a time.
@@ -153,27 +189,37 @@ impl Recorder {
     fn write(&mut self, time: f64, voltage: impl Fn(usize) -> f64) {
         self.trace.time.push(time);
         for (track, probe) in self.trace.tracks.iter_mut().zip(&self.probes) {
-            track.volts.push(voltage(probe.register.index()));
+            track.record(time, voltage(probe.register.index()));
+        }
+    }
+
+    /// Takes note of the voltages of now.
+    fn see(&mut self, machine: &Machine<'_>) {
+        for (track, probe) in self.trace.tracks.iter_mut().zip(&self.probes) {
+            track.see(machine.time(), machine.registers[probe.register.index()]);
         }
     }
 }
 
-impl Witness for Recorder {
-    /// Writes down the instants of the grid inside a stretch.
+impl Witness for Recorder<'_> {
+    /// Writes down the instants of the grid inside a stretch, and sees its end as it is before relays switch.
     fn stretch(&mut self, machine: &mut Machine<'_>) {
         while let Some(time) = self.next_before(machine.time() * (1.0 - SAME)) {
             machine.look_back(time);
             self.write(time, |register| machine.trial_registers[register]);
             self.next += 1;
         }
+        self.see(machine);
     }
 
     /// Writes down the instant at its end, as it is after relays have switched.
     fn arrival(&mut self, machine: &Machine<'_>) {
+        self.see(machine);
         if let Some(time) = self.next_before(machine.time() * (1.0 + SAME)) {
             self.write(time, |register| machine.registers[register]);
             self.next += 1;
         }
+        (self.progress)(self.before + machine.time());
     }
 
     fn has_seen_enough(&self, machine: &Machine<'_>) -> bool {
@@ -206,10 +252,10 @@ impl Machine<'_> {
 
 fn find(program: &Program, name: &str) -> Result<Probe, RunError> {
     let found = program.signals.iter().find(|probe| probe.name == name).cloned();
-    found.ok_or_else(|| RunError::Plan(format!("there is no signal {name} to record")))
+    found.ok_or_else(|| RunError::UnknownSignal(name.to_owned()))
 }
 
 fn track(probe: &Probe, machine: &Machine<'_>) -> Track {
     let per_volt = probe.per_volt.map_or(1.0, |index| machine.coefficient(index) / probe.per_unit);
-    Track { name: probe.name.clone(), unit: probe.unit.clone(), per_volt, volts: Vec::new() }
+    Track::new(&probe.name, &probe.unit, per_volt)
 }

@@ -15,9 +15,7 @@ impl Machine<'_> {
             return Err(RunError::Loop { members: members.join(", "), solutions, time: self.time });
         }
         match self.program.in_order().find(|outlet| self.registers[outlet.register.index()].is_nan()) {
-            Some(outlet) => {
-                Err(RunError::NotANumber { element: outlet.name.clone(), time: self.time, trace: None })
-            }
+            Some(outlet) => Err(RunError::NotANumber { element: outlet.name.clone(), time: self.time }),
             None => Ok(()),
         }
     }

@@ -1,10 +1,10 @@
 //! The trace: what was recorded, in volts, with scales to physical units and the overload history.
 
 mod csv;
+mod track;
 
 pub use self::csv::CsvError;
-
-use crate::solve::{Overload, Work};
+pub use self::track::{Course, Moment, Track};
 
 /// A recorded run, or several of them one after the other (repetitive operation).
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -15,19 +15,6 @@ pub struct Trace {
     pub tracks: Vec<Track>,
     /// The runs that make up the trace.
     pub sweeps: Vec<Sweep>,
-}
-
-/// One recorded signal.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Track {
-    /// Name of the signal.
-    pub name: String,
-    /// Text of its unit; "V" where it has no scale.
-    pub unit: String,
-    /// Value of one volt in that unit.
-    pub per_volt: f64,
-    /// Voltage of every sample.
-    pub volts: Vec<f64>,
 }
 
 /// One run from initial condition.
@@ -45,11 +32,26 @@ pub struct Sweep {
     pub overloads: Vec<Overload>,
 }
 
-impl Track {
-    /// The samples in physical units.
-    pub fn values(&self) -> impl ExactSizeIterator<Item = f64> + Clone + '_ {
-        self.volts.iter().map(|volts| volts * self.per_volt)
-    }
+/// What a run took.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Work {
+    /// Steps, those shortened to meet a change of mode counted too.
+    pub steps: u64,
+    /// Changes of mode of elements and drives: what the command line calls switchings.
+    pub changes: u64,
+}
+
+/// An overload lamp that lit. Lamps stay lit until the next initial condition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Overload {
+    /// The amplifier.
+    pub element: String,
+    /// When it was first asked for more than 100 V, in problem seconds.
+    pub time: f64,
+    /// The largest voltage, without sign, that it was asked for.
+    pub peak: f64,
+    /// The overload that caused it: the earliest among the amplifiers from which a chain of cords leads here.
+    pub caused_by: Option<String>,
 }
 
 impl Trace {

@@ -1,0 +1,77 @@
+//! One recorded signal.
+
+/// One recorded signal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    /// Name of the signal.
+    pub name: String,
+    /// Text of its unit; "V" where it has no scale.
+    pub unit: String,
+    /// Value of one volt in that unit.
+    pub per_volt: f64,
+    /// Voltage of every sample.
+    pub volts: Vec<f64>,
+    /// What it went through, between the samples too; nothing where it was never seen.
+    pub course: Option<Course>,
+}
+
+/// What a signal went through: watched at every step, recorded there or not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Course {
+    /// First voltage.
+    pub start: f64,
+    /// Last voltage.
+    pub end: f64,
+    /// Least voltage, and when it was met first.
+    pub least: Moment,
+    /// Largest voltage, and when it was met first.
+    pub most: Moment,
+}
+
+/// A voltage at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// In problem seconds.
+    pub time: f64,
+    /// In volts.
+    pub volts: f64,
+}
+
+impl Track {
+    /// A track on which nothing is recorded yet.
+    pub fn new(name: impl Into<String>, unit: impl Into<String>, per_volt: f64) -> Self {
+        Track { name: name.into(), unit: unit.into(), per_volt, volts: Vec::new(), course: None }
+    }
+
+    /// The samples in physical units.
+    pub fn values(&self) -> impl ExactSizeIterator<Item = f64> + Clone + '_ {
+        self.volts.iter().map(|volts| volts * self.per_volt)
+    }
+
+    /// Writes a sample down.
+    pub fn record(&mut self, time: f64, volts: f64) {
+        self.volts.push(volts);
+        self.see(time, volts);
+    }
+
+    /// Takes note of a voltage without recording it.
+    pub fn see(&mut self, time: f64, volts: f64) {
+        let moment = Moment { time, volts };
+        match &mut self.course {
+            Some(course) => course.goes_on(moment),
+            None => self.course = Some(Course { start: volts, end: volts, least: moment, most: moment }),
+        }
+    }
+}
+
+impl Course {
+    fn goes_on(&mut self, moment: Moment) {
+        self.end = moment.volts;
+        if moment.volts < self.least.volts {
+            self.least = moment;
+        }
+        if moment.volts > self.most.volts {
+            self.most = moment;
+        }
+    }
+}
