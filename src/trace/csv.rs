@@ -18,7 +18,7 @@ impl Trace {
     pub fn write_csv(&self, mut to: impl Write) -> Result<(), CsvError> {
         writeln!(to, "# t: s")?;
         for track in &self.tracks {
-            writeln!(to, "# {}: {}", track.name, track.unit)?;
+            writeln!(to, "# {}: {}", track.name, on_one_line(&track.unit))?;
         }
         let mut writer = csv::Writer::from_writer(&mut to);
         let names = self.tracks.iter().map(|track| track.name.as_str());
@@ -38,6 +38,12 @@ impl Trace {
     }
 }
 
+/// A unit as a person may have written it, without what would break a comment line.
+fn on_one_line(unit: &str) -> String {
+    let words: Vec<_> = unit.split_whitespace().collect();
+    words.join(" ").chars().filter(|letter| !letter.is_control()).collect()
+}
+
 /// The shortest text that reads back to the same number; -0 is 0.
 fn number(value: f64) -> String {
     let text = format!("{:?}", value + 0.0);
@@ -46,4 +52,18 @@ fn number(value: f64) -> String {
 
 fn into_io(error: csv::Error) -> std::io::Error {
     error.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::Track;
+
+    #[test]
+    fn a_unit_stays_on_its_line() {
+        let trace = Trace { tracks: vec![Track::new("v", "mm\n/\ts\u{1b}2", 1.0)], ..Trace::default() };
+        let mut table = Vec::new();
+        trace.write_csv(&mut table).unwrap();
+        assert_eq!(String::from_utf8(table).unwrap(), "# t: s\n# v: mm / s2\nt,v\n");
+    }
 }
