@@ -3,14 +3,14 @@
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::failure::Failure;
+use super::failure::{Failure, plural};
 use super::load::{Loaded, PatchArguments, parameters_json};
 use super::table::Table;
 use super::{say, say_json};
 use patchcord::circuit::{Circuit, ScalingRow};
 use patchcord::patch::Report;
 use patchcord::program::Program;
-use patchcord::solve::Machine;
+use patchcord::solve::{Machine, RunError};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -51,9 +51,26 @@ struct Static {
 /// The step plays no part in initial condition, but delay lines want one.
 const ANY_STEP: f64 = 1e-4;
 
+fn machine<'p>(circuit: &Circuit, program: &'p Program) -> Result<Machine<'p>, RunError> {
+    match &circuit.run_plan().step {
+        Some(step) => Machine::new(program, step.value),
+        None => with_any_step(program),
+    }
+}
+
+/// A machine with a step that no delay is too short for.
+fn with_any_step(program: &Program) -> Result<Machine<'_>, RunError> {
+    let mut step = ANY_STEP;
+    loop {
+        match Machine::new(program, step) {
+            Err(RunError::DelayTooShort { delay, .. }) if 0.0 < delay && delay < step => step = delay,
+            outcome => return outcome,
+        }
+    }
+}
+
 fn voltages(circuit: &Circuit, program: &Program) -> Result<Vec<Static>, Failure> {
-    let step = circuit.run_plan().step.as_ref().map_or(ANY_STEP, |placed| placed.value);
-    let machine = Machine::new(program, step)?;
+    let machine = machine(circuit, program)?;
     let mut read = Vec::new();
     for element in circuit.elements() {
         let volts = machine.voltage(&element.name)?;
@@ -64,7 +81,7 @@ fn voltages(circuit: &Circuit, program: &Program) -> Result<Vec<Static>, Failure
 
 fn summary(circuit: &Circuit, program: &Program) -> String {
     let patch = circuit.patch();
-    let mut text = format!("{}: nothing wrong\n", patch.file());
+    let mut text = format!("{}: {}\n", patch.file(), verdict(circuit.warnings().warnings()));
     if !patch.title.is_empty() {
         text += &format!("{}\n", patch.title);
     }
@@ -78,6 +95,13 @@ fn summary(circuit: &Circuit, program: &Program) -> String {
         text += &format!("loop without an integrator, one solution: {}\n", entry.members.join(", "));
     }
     text
+}
+
+fn verdict(warnings: usize) -> String {
+    match warnings {
+        0 => "nothing wrong".to_owned(),
+        some => format!("no errors, {}", plural(some as u64, "warning")),
+    }
 }
 
 fn voltage_table(voltages: &[Static]) -> String {
