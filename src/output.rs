@@ -1,7 +1,7 @@
 //! Files written so that nobody ever sees them half written.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{Error, ErrorKind, Result, Write as _};
+use std::io::{self, Error, ErrorKind, Result, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Writes a file whole: beside its place first, then renamed, so that what stood there before is replaced at
@@ -11,17 +11,38 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// When the file system refuses, or the file is read-only; a file that was there is then as it was.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    check_writable(path)?;
     match fs::metadata(path) {
-        Ok(there) if there.is_dir() => Err(Error::new(ErrorKind::IsADirectory, "it is a folder")),
-        Ok(there) if there.is_file() && !is_of_the_system(path) => {
-            let target = fs::canonicalize(path)?;
-            check_writable(&target, &there)?;
-            replace(&target, bytes, Some(there.permissions()))
+        Ok(_) if path == Path::new("/dev/stdout") => {
+            // Opened anew, a file behind it would be written from its beginning by whoever writes next.
+            let mut out = io::stdout().lock();
+            out.write_all(bytes).and_then(|()| out.flush())
+        }
+        Ok(there) if is_replaced(path, &there) => {
+            replace(&fs::canonicalize(path)?, bytes, Some(there.permissions()))
         }
         Ok(_) => OpenOptions::new().append(true).open(path)?.write_all(bytes),
-        Err(error) if error.kind() == ErrorKind::NotFound => replace(&destination(path)?, bytes, None),
+        Err(_) => replace(&destination(path)?, bytes, None),
+    }
+}
+
+/// Looks whether a file could be written, as far as that can be told before it is.
+///
+/// # Errors
+/// When there is no such folder, a folder stands there, or a file that may not be written to.
+pub fn check_writable(path: &Path) -> Result<()> {
+    match fs::metadata(path) {
+        Ok(there) if there.is_dir() => Err(Error::new(ErrorKind::IsADirectory, "it is a folder")),
+        // Renaming asks nobody whether the file that is replaced may be written to.
+        Ok(there) if is_replaced(path, &there) => check_permitted(path, &there),
+        Ok(_) => Ok(()),
+        Err(error) if error.kind() == ErrorKind::NotFound => check_folder(&destination(path)?),
         Err(error) => Err(error),
     }
+}
+
+fn check_folder(target: &Path) -> Result<()> {
+    if folder_of(target).is_dir() { Ok(()) } else { Err(Error::new(ErrorKind::NotFound, "no such folder")) }
 }
 
 /// Where a path leads to, links followed, whether or not anything stands there yet. Two paths to the same
@@ -57,18 +78,17 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether a path names a stream of this process or another thing of the system, even where a regular file
-/// lies behind it.
-fn is_of_the_system(path: &Path) -> bool {
-    ["/dev", "/proc"].iter().any(|folder| path.starts_with(folder))
+/// Whether what stands there gives way to a new file. Streams of this process and other things of the system
+/// do not, even where a regular file lies behind them.
+fn is_replaced(path: &Path, there: &fs::Metadata) -> bool {
+    there.is_file() && !["/dev", "/proc"].iter().any(|folder| path.starts_with(folder))
 }
 
-/// Renaming asks nobody whether the file that is replaced may be written to.
-fn check_writable(target: &Path, there: &fs::Metadata) -> Result<()> {
+fn check_permitted(path: &Path, there: &fs::Metadata) -> Result<()> {
     if is_read_only(there) {
         return Err(Error::new(ErrorKind::PermissionDenied, "it is read-only"));
     }
-    OpenOptions::new().write(true).open(target).map(drop)
+    OpenOptions::new().write(true).open(path).map(drop)
 }
 
 /// Read-only to its owner. The owner may be one whom the system lets write everywhere.
@@ -84,7 +104,8 @@ fn is_read_only(there: &fs::Metadata) -> bool {
 }
 
 fn replace(target: &Path, bytes: &[u8], permissions: Option<fs::Permissions>) -> Result<()> {
-    let beside = open_beside(folder_of(target)).map_err(without_path)?;
+    // The kind only: the message names the temporary file, which means nothing to anybody.
+    let beside = open_beside(folder_of(target)).map_err(|error| Error::from(error.kind()))?;
     let mut file: &File = beside.as_file();
     file.write_all(bytes)?;
     if let Some(permissions) = permissions {
@@ -105,14 +126,6 @@ fn open_beside(folder: &Path) -> Result<tempfile::NamedTempFile> {
 #[cfg(not(unix))]
 fn open_beside(folder: &Path) -> Result<tempfile::NamedTempFile> {
     tempfile::NamedTempFile::new_in(folder)
-}
-
-/// The same error without the name of the temporary file, which means nothing to anybody.
-fn without_path(error: Error) -> Error {
-    match error.kind() {
-        ErrorKind::NotFound => Error::new(ErrorKind::NotFound, "no such folder"),
-        kind => kind.into(),
-    }
 }
 
 #[cfg(test)]

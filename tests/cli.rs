@@ -351,6 +351,36 @@ fn help_and_version_end_well() {
     assert!(out(&patchcord(&["run", "--json", "--help"])).contains("Usage"));
 }
 
+#[cfg(unix)]
+#[test]
+fn a_table_on_standard_output_stands_before_the_readings() {
+    let (folder, file) = spring();
+    let shown = folder.path().join("shown");
+    let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("patchcord"));
+    let ran = command
+        .args(["run", &file, "--for", "0.002", "--csv", "/dev/stdout"])
+        .stdout(fs::File::create(&shown).unwrap())
+        .status()
+        .unwrap();
+    assert!(ran.success());
+    let shown = fs::read_to_string(shown).unwrap();
+    assert!(shown.starts_with("# t: s\n") && shown.ends_with("wrote /dev/stdout\n"), "{shown}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_read_only_file_is_refused_before_the_run() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let (folder, file) = spring();
+    let kept = path(&folder, "kept.csv");
+    fs::write(&kept, "old").unwrap();
+    fs::set_permissions(&kept, fs::Permissions::from_mode(0o444)).unwrap();
+    let ran = patchcord(&["run", &file, "--csv", &kept]);
+    assert_eq!((code(&ran), out(&ran).as_str()), (1, ""));
+    assert_eq!(errors(&ran), format!("error: cannot write {kept}: it is read-only\n"));
+    assert_eq!(fs::read_to_string(&kept).unwrap(), "old");
+}
+
 /// The lines of the README's block after these words.
 fn readme_block(after: &str) -> Vec<String> {
     let text = fs::read_to_string("README.md").unwrap();

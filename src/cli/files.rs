@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -11,7 +12,7 @@ use super::failure::Failure;
 use super::load::parameter_line;
 use patchcord::circuit::Circuit;
 use patchcord::instruments;
-use patchcord::output::{destination, write_whole};
+use patchcord::output::{check_writable, destination, write_whole};
 use patchcord::plot::{self, Format, Picture, Size};
 use patchcord::trace::Trace;
 
@@ -91,13 +92,7 @@ impl Files {
             })?;
         }
         for path in self.paths() {
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-            if folder.is_some_and(|folder| !folder.is_dir()) || path.is_dir() {
-                return Err(Failure::data(format!(
-                    "cannot write {}: no such folder, or a folder itself",
-                    path.display()
-                )));
-            }
+            check_writable(path).map_err(|error| unwritable(path, &error))?;
         }
         Ok(())
     }
@@ -139,8 +134,11 @@ fn place(path: &Path) -> Result<PathBuf, Failure> {
 }
 
 fn put(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    write_whole(path, bytes)
-        .map_err(|error| Failure::data(format!("cannot write {}: {error}", path.display())))
+    write_whole(path, bytes).map_err(|error| unwritable(path, &error))
+}
+
+fn unwritable(path: &Path, error: &io::Error) -> Failure {
+    Failure::data(format!("cannot write {}: {error}", path.display()))
 }
 
 /// The patch's pictures; where it asks for none, every recorded signal against time.

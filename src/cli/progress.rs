@@ -27,7 +27,7 @@ impl Progress {
     /// Takes note of a step that ended at this time.
     pub fn step(&mut self, time: f64) {
         self.steps += 1;
-        if self.steps % STEPS_BETWEEN_LOOKS == 0 && Instant::now() >= self.next {
+        if self.steps.is_multiple_of(STEPS_BETWEEN_LOOKS) && Instant::now() >= self.next {
             self.next = Instant::now() + BETWEEN_LINES;
             self.shown = true;
             let mut terminal = io::stderr().lock();
