@@ -113,7 +113,7 @@ impl Quantities {
     /// Scales may name other scales: each is worked out once those that it names are.
     fn work_out_scales(&mut self, patch: &Patch, findings: &mut Vec<Diagnostic>) {
         let naming = self.naming();
-        // Every ring comes after what it names.
+        // A component comes after those that it names.
         for mut members in kosaraju_scc(&naming) {
             members.sort_unstable();
             let first = members[0];
