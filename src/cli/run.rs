@@ -209,8 +209,8 @@ fn overloads_told(trace: &Trace) -> String {
     let mut text = String::new();
     for (number, sweep) in trace.sweeps.iter().enumerate() {
         let which = if trace.sweeps.len() > 1 { format!("run {}: ", number + 1) } else { String::new() };
-        for overload in &sweep.overloads {
-            text += &format!("{which}{}\n", overload_told(overload));
+        for (order, overload) in sweep.overloads.iter().enumerate() {
+            text += &format!("{which}{}\n", overload_told(order, overload));
         }
         if sweep.held {
             text += &format!("{which}held at t = {:.6} s\n", sweep.end);
@@ -219,9 +219,13 @@ fn overloads_told(trace: &Trace) -> String {
     if text.is_empty() { "no overload\n".to_owned() } else { text }
 }
 
-fn overload_told(overload: &Overload) -> String {
+fn overload_told(order: usize, overload: &Overload) -> String {
     let Overload { element, time, peak, caused_by } = overload;
-    let cause = caused_by.as_ref().map_or("first".to_owned(), |cause| format!("caused by {cause}"));
+    let cause = match caused_by {
+        Some(cause) => format!("caused by {cause}"),
+        None if order == 0 => "first".to_owned(),
+        None => "caused by none of those before".to_owned(),
+    };
     format!("overload: {element} at t = {time:.6} s, asked for {peak:.1} V ({cause})")
 }
 
