@@ -277,19 +277,20 @@ fn diagnostics_page() -> String {
     format!(
         "# Diagnostics\n\n\
          What patchcord says about a patch that it cannot run, or that it runs with a doubt. All findings come \
-         at once, each with a code that never changes, its place in the file, what is wrong, and, where there \
-         is something to say, what to do:\n\n```text\n{example}\n```\n\n\
+         at once, each with a code that never changes, its place in the file, what is wrong, and what to \
+         do:\n\n```text\n{example}\n```\n\n\
          An *error* stops the patch; a *warning* does not. With `--json` every finding is an object of `code`, \
          `severity`, `file`, `line`, `column`, `message` and `hint`. The terminal shows the first 50 findings and \
          says how many more there are; `--json` gives all of them. For every code there are patches in \
          `{FOLDER}`, named after it, each beside the report that it gets.\n\n\
-         | code | severity | meaning |\n|---|---|---|\n{rows}\n\
+         | code | severity | meaning | what to do |\n|---|---|---|---|\n{rows}\n\
          This page is written by `PATCHCORD_BLESS=1 cargo test --test bad_patches`.\n"
     )
 }
 
 fn row(code: Code) -> String {
-    format!("| `{}` | {} | {} |\n", code.as_str(), code.severity().as_str(), code.meaning())
+    let (severity, meaning) = (code.severity().as_str(), code.meaning());
+    format!("| `{}` | {severity} | {meaning} | {} |\n", code.as_str(), code.advice())
 }
 
 #[test]

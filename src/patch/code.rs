@@ -2,9 +2,9 @@
 
 use super::diagnostic::Severity;
 
-/// One row: the code's variant, its text, its severity, and what it means.
+/// One row: the code's variant, its text, its severity, what it means, and what to do where nothing nearer is known.
 macro_rules! codes {
-    ($($variant:ident $text:literal $severity:ident $meaning:literal;)*) => {
+    ($($variant:ident $text:literal $severity:ident $meaning:literal $advice:literal;)*) => {
         /// What kind of thing is wrong. The text of a code never changes.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum Code {
@@ -29,44 +29,82 @@ macro_rules! codes {
             pub fn meaning(self) -> &'static str {
                 match self { $(Code::$variant => $meaning,)* }
             }
+
+            /// What to do about it in general; findings may know better.
+            pub fn advice(self) -> &'static str {
+                match self { $(Code::$variant => $advice,)* }
+            }
         }
     };
 }
 
 codes! {
-    Syntax "syntax" Error "The text is not JSON.";
-    WrongType "wrong-type" Error "A value has another type than the format asks for.";
-    MissingKey "missing-key" Error "A key that the format needs is not there.";
-    UnknownKey "unknown-key" Error "A key that the format does not know.";
-    DuplicateKey "duplicate-key" Error "The same key stands twice in one object.";
-    UnknownVersion "unknown-version" Error "The format's version is not one that this program reads.";
-    UnknownKind "unknown-kind" Error "An element or drive of a kind that does not exist.";
-    UnknownMachine "unknown-machine" Error "The machine named does not exist.";
-    UnknownName "unknown-name" Error "A cord, signal or formula names something that the patch does not have.";
-    DuplicateName "duplicate-name" Error "One name stands for two things.";
-    BadName "bad-name" Error "A name that could not be used in a cord or a formula.";
-    UnknownUnit "unknown-unit" Error "A unit that cannot be read.";
-    UnitMismatch "unit-mismatch" Error "Units that do not agree.";
-    BadFormula "bad-formula" Error "A formula that cannot be read or worked out.";
-    NotFinite "not-finite" Error "A number that is NaN, infinite or too large to hold.";
-    BadNumber "bad-number" Error "A number outside what its place allows.";
-    OutsideRange "outside-range" Error "A parameter outside the range that the patch gives it.";
-    SettingOutside "setting-outside" Error "A potentiometer setting outside 0 ... 1.";
-    SettingRange "setting-range" Warning "A potentiometer setting that leaves 0 ... 1 within the ranges of its parameters.";
-    NoDriver "no-driver" Error "An input that nothing drives.";
-    OutputsTied "outputs-tied" Error "Two outputs plugged into one jack.";
-    TooManyInputs "too-many-inputs" Error "More cords than the element has inputs.";
-    UnknownInput "unknown-input" Error "A cord to an input that the element does not have.";
-    MissingGain "missing-gain" Error "An input gain that the machine does not have.";
-    Inventory "inventory" Error "More parts than the machine has.";
-    PartTwice "part-twice" Error "One part of the machine used by two elements.";
-    PartCount "part-count" Error "An element lists another number of parts than it is made of.";
-    UnscaledSignal "unscaled-signal" Warning "A recorded signal without a scale: it is written in volts.";
-    UnusedElement "unused-element" Warning "An element that nothing reads.";
-    LoopWithoutSolution "loop-without-solution" Error "A loop without an integrator that no set of voltages satisfies.";
-    LoopWithSolutions "loop-with-solutions" Error "A loop without an integrator that several sets of voltages satisfy.";
-    LoopNotPiecewiseLinear "loop-not-piecewise-linear" Error "A loop without an integrator through an element that is not made of straight pieces.";
-    LoopTooTangled "loop-too-tangled" Error "Loops without an integrator that are too tangled to be opened one after the other.";
+    Syntax "syntax" Error "The text is not JSON."
+        "look just before this place for a missing comma, quote or bracket";
+    WrongType "wrong-type" Error "A value has another type than the format asks for."
+        "docs/patch-format.md shows what stands under each key";
+    MissingKey "missing-key" Error "A key that the format needs is not there."
+        "docs/patch-format.md shows the keys that are needed";
+    UnknownKey "unknown-key" Error "A key that the format does not know."
+        "take it out, or keep what it says in a \"note\"";
+    DuplicateKey "duplicate-key" Error "The same key stands twice in one object."
+        "keep one of the two";
+    UnknownVersion "unknown-version" Error "The format's version is not one that this program reads."
+        "use a program that reads this version";
+    UnknownKind "unknown-kind" Error "An element or drive of a kind that does not exist."
+        "`patchcord elements` lists the kinds";
+    UnknownMachine "unknown-machine" Error "The machine named does not exist."
+        "`patchcord machines` lists the machines";
+    UnknownName "unknown-name" Error "A cord, signal or formula names something that the patch does not have."
+        "add what it names, or correct the name";
+    DuplicateName "duplicate-name" Error "One name stands for two things."
+        "rename one of them";
+    BadName "bad-name" Error "A name that could not be used in a cord or a formula."
+        "choose another name";
+    UnknownUnit "unknown-unit" Error "A unit that cannot be read."
+        "docs/patch-format.md lists the units";
+    UnitMismatch "unit-mismatch" Error "Units that do not agree."
+        "multiply or divide by parameters and scales until both sides measure the same";
+    BadFormula "bad-formula" Error "A formula that cannot be read or worked out."
+        "a formula is made of numbers, names, + - * / ^, parentheses and functions";
+    NotFinite "not-finite" Error "A number that is NaN, infinite or too large to hold."
+        "look for a wrong power of ten";
+    BadNumber "bad-number" Error "A number outside what its place allows."
+        "choose a number that its place allows";
+    OutsideRange "outside-range" Error "A parameter outside the range that the patch gives it."
+        "choose a value inside the range, or widen the range";
+    SettingOutside "setting-outside" Error "A potentiometer setting outside 0 ... 1."
+        "move a factor of 10 between the pot and the gain behind it";
+    SettingRange "setting-range" Warning "A potentiometer setting that leaves 0 ... 1 within the ranges of its parameters."
+        "narrow the range of the parameter, or rescale";
+    NoDriver "no-driver" Error "An input that nothing drives."
+        "plug in an output, or \"ground\" for 0 V";
+    OutputsTied "outputs-tied" Error "Two outputs plugged into one jack."
+        "add the two in a summer";
+    TooManyInputs "too-many-inputs" Error "More cords than the element has inputs."
+        "use a second element for the others";
+    UnknownInput "unknown-input" Error "A cord to an input that the element does not have."
+        "`patchcord elements NAME` lists the inputs of a kind";
+    MissingGain "missing-gain" Error "An input gain that the machine does not have."
+        "put a pot in front of a gain that the machine has";
+    Inventory "inventory" Error "More parts than the machine has."
+        "save some, or patch it on the machine \"unlimited\"";
+    PartTwice "part-twice" Error "One part of the machine used by two elements."
+        "every part is on the machine once";
+    PartCount "part-count" Error "An element lists another number of parts than it is made of."
+        "list as many as the element is made of";
+    UnscaledSignal "unscaled-signal" Warning "A recorded signal without a scale: it is written in volts."
+        "name a signal at it, with a scale";
+    UnusedElement "unused-element" Warning "An element that nothing reads."
+        "read it somewhere, or leave it out";
+    LoopWithoutSolution "loop-without-solution" Error "A loop without an integrator that no set of voltages satisfies."
+        "put an integrator or a lag into the loop";
+    LoopWithSolutions "loop-with-solutions" Error "A loop without an integrator that several sets of voltages satisfy."
+        "bring the gain of the loop under 1, or invert it once more";
+    LoopNotPiecewiseLinear "loop-not-piecewise-linear" Error "A loop without an integrator through an element that is not made of straight pieces."
+        "put an integrator or a lag into the loop";
+    LoopTooTangled "loop-too-tangled" Error "Loops without an integrator that are too tangled to be opened one after the other."
+        "put an integrator or a lag into some of the loops";
 }
 
 #[cfg(test)]

@@ -55,7 +55,7 @@ pub struct Diagnostic {
     pub span: Option<Span>,
     /// What is wrong, in one sentence.
     pub message: String,
-    /// What to do about it.
+    /// What to do about it here, where more can be said than the code's advice.
     pub hint: Option<String>,
 }
 
@@ -74,6 +74,11 @@ impl Diagnostic {
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
+    }
+
+    /// What to do about it.
+    pub fn advice(&self) -> &str {
+        self.hint.as_deref().unwrap_or(self.code.advice())
     }
 
     /// The same finding with advice where there is any.
@@ -151,10 +156,7 @@ impl Report {
         if let Some(span) = finding.span {
             group = self.shown(group, span);
         }
-        match &finding.hint {
-            Some(hint) => group.element(Level::HELP.message(hint)),
-            None => group,
-        }
+        group.element(Level::HELP.message(finding.advice()))
     }
 
     /// Adds the lines of a span; where these are long, what stands around its beginning.
@@ -202,7 +204,7 @@ impl Report {
             "line": place.map(|place| place.0),
             "column": place.map(|place| place.1),
             "message": finding.message,
-            "hint": finding.hint,
+            "hint": finding.advice(),
         })
     }
 }
