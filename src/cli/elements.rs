@@ -96,7 +96,7 @@ fn page(kind: &Kind) -> String {
 fn parts(kind: &Kind) -> Vec<String> {
     let told = kind.parts.iter().map(|takes| {
         let with = if takes.with.is_empty() { String::new() } else { format!(" with \"{}\"", takes.with) };
-        format!("{} {}{with}", takes.count, takes.part.noun())
+        format!("{}{with}", takes.part.counted(takes.count))
     });
     told.collect()
 }
