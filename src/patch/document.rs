@@ -158,6 +158,9 @@ impl Lost {
 }
 
 /// A patch as it was written.
+///
+/// The fields are what was read from the document. To change a patch, change a copy of [`Patch::value`] and make
+/// a new one with [`Patch::from_value`]: what is written is the document, not the fields.
 #[derive(Debug, Clone)]
 pub struct Patch {
     file: String,
