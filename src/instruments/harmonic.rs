@@ -99,13 +99,8 @@ fn least_squares(time: &[f64], values: &[f64], frequency: f64) -> Result<[f64; 3
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::instruments::sampled;
     use std::f64::consts::PI;
-
-    fn sampled(count: usize, step: f64, signal: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
-        let time: Vec<f64> = (0..count).map(|index| index as f64 * step).collect();
-        let values = time.iter().map(|t| signal(*t)).collect();
-        (time, values)
-    }
 
     #[test]
     fn a_sine_is_read_exactly() {

@@ -167,12 +167,7 @@ fn final_value(peaks: &[Peak], decrement: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn sampled(count: usize, step: f64, signal: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
-        let time: Vec<f64> = (0..count).map(|index| index as f64 * step).collect();
-        let values = time.iter().map(|t| signal(*t)).collect();
-        (time, values)
-    }
+    use crate::instruments::sampled;
 
     /// Step response of wn^2 / (s^2 + 2 zeta wn s + wn^2), height 2.
     fn response(wn: f64, zeta: f64) -> impl Fn(f64) -> f64 {

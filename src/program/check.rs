@@ -1,5 +1,10 @@
 //! What can only be told once the operations are there: coefficients and loops in initial condition.
 
+use std::collections::HashSet;
+
+use petgraph::algo::kosaraju_scc;
+use petgraph::graph::{DiGraph, NodeIndex};
+
 use super::evaluate::Scratch;
 use super::loops::{LoopFault, Solutions};
 use super::{Loop, Program, Sources};
@@ -26,7 +31,7 @@ fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
     let rest = at_rest(program, &parameters, &coefficients);
     let loops =
         rest.faults.iter().map(|fault| diagnostic(circuit, &program.loops[fault.index], fault.solutions));
-    loops.chain(rest.restless.map(|element| restless(circuit, program, element))).collect()
+    loops.chain(rest.restless.and_then(|element| restless(circuit, program, element))).collect()
 }
 
 /// What is found in initial condition.
@@ -76,9 +81,8 @@ fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest 
 }
 
 /// A relay that no position suits: with the members of the loop that lead from it back to it at once.
-fn restless(circuit: &Circuit, program: &Program, element: usize) -> Diagnostic {
-    let mut members = at_once(program, element);
-    members.retain(|member| at_once(program, *member).contains(&element));
+fn restless(circuit: &Circuit, program: &Program, element: usize) -> Option<Diagnostic> {
+    let members = loop_through(program, element)?;
     let names: Vec<_> = members.iter().map(|member| program.name(*member)).collect();
     let message = format!(
         "the loop {} has no integrator and no position of {} satisfies it: it switches without end",
@@ -86,24 +90,27 @@ fn restless(circuit: &Circuit, program: &Program, element: usize) -> Diagnostic 
         program.name(element)
     );
     let hint = Some("put an integrator or a lag into the loop, or invert it once more".to_owned());
-    Diagnostic { code: Code::LoopWithoutSolution, span: circuit.element(element).span, message, hint }
+    Some(Diagnostic { code: Code::LoopWithoutSolution, span: circuit.element(element).span, message, hint })
 }
 
-/// The elements that an element reaches within the same instant: through anything but states and delay lines.
-fn at_once(program: &Program, from: usize) -> Vec<usize> {
-    let mut reached: Vec<usize> = Vec::new();
-    let mut open = vec![from];
-    while let Some(element) = open.pop() {
-        for reader in &program.readers[element] {
-            let remembers = program.states.iter().any(|state| state.element == *reader)
-                || program.delays.iter().any(|delay| delay.element == *reader);
-            if !remembers && !reached.contains(reader) {
-                reached.push(*reader);
-                open.push(*reader);
-            }
-        }
-    }
-    reached
+/// The members of the loop through an element that acts within the same instant: without states and delay
+/// lines. `None` where there is no such loop.
+fn loop_through(program: &Program, element: usize) -> Option<Vec<usize>> {
+    let states = program.states.iter().map(|state| state.element);
+    let remembering: HashSet<usize> =
+        states.chain(program.delays.iter().map(|delay| delay.element)).collect();
+    let cords = program.readers.iter().enumerate().flat_map(|(from, readers)| {
+        readers
+            .iter()
+            .filter(|reader| !remembering.contains(reader))
+            .map(move |reader| (from as u32, *reader as u32))
+    });
+    let at_once = DiGraph::<(), ()>::from_edges(cords);
+    let own = NodeIndex::new(element);
+    let mut members = kosaraju_scc(&at_once).into_iter().find(|members| members.contains(&own))?;
+    members.sort_unstable();
+    let closed = members.len() > 1 || at_once.contains_edge(own, own);
+    closed.then(|| members.into_iter().map(NodeIndex::index).collect())
 }
 
 fn diagnostic(circuit: &Circuit, entry: &Loop, solutions: Solutions) -> Diagnostic {

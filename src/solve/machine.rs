@@ -58,6 +58,15 @@ pub struct Machine<'p> {
     grid: Grid,
 }
 
+/// Which voltages are worked out.
+#[derive(Clone, Copy)]
+enum Instant {
+    /// Those of the states, where the machine is.
+    Now,
+    /// Those of the trial states, where it may go.
+    Ahead,
+}
+
 /// The beginning of a stretch of time gone in one piece.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Stretch {
@@ -284,19 +293,8 @@ impl<'p> Machine<'p> {
         for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
             *delayed = line.from(self.time);
         }
-        let from = Sources {
-            parameters: &self.parameters,
-            coefficients: &self.coefficients,
-            states: &self.states,
-            modes: &self.modes,
-            time: self.time,
-            tables: &self.program.tables,
-            delayed: &self.delayed,
-        };
-        self.program.evaluate(&from, &mut self.registers, &mut self.scratch);
-        for (rate, state) in self.rates[0].iter_mut().zip(&self.program.states) {
-            *rate = self.registers[state.rate.index()];
-        }
+        self.work_out(self.time, Instant::Now);
+        self.take_rates();
     }
 
     /// Works out every voltage for the trial states at a later time, which nothing has reached yet: what
@@ -305,16 +303,31 @@ impl<'p> Machine<'p> {
         for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
             *delayed = line.until(time);
         }
+        self.work_out(time, Instant::Ahead);
+    }
+
+    fn work_out(&mut self, time: f64, instant: Instant) {
+        let (states, registers) = match instant {
+            Instant::Now => (&self.states, &mut self.registers),
+            Instant::Ahead => (&self.trial, &mut self.trial_registers),
+        };
         let from = Sources {
             parameters: &self.parameters,
             coefficients: &self.coefficients,
-            states: &self.trial,
+            states,
             modes: &self.modes,
             time,
             tables: &self.program.tables,
             delayed: &self.delayed,
         };
-        self.program.evaluate(&from, &mut self.trial_registers, &mut self.scratch);
+        self.program.evaluate(&from, registers, &mut self.scratch);
+    }
+
+    /// Keeps the rates of now as those of a step's first stage.
+    fn take_rates(&mut self) {
+        for (rate, state) in self.rates[0].iter_mut().zip(&self.program.states) {
+            *rate = self.registers[state.rate.index()];
+        }
     }
 
     /// Looks ahead by a step of this length: states and voltages at its end.
@@ -334,9 +347,7 @@ impl<'p> Machine<'p> {
         self.time = time;
         self.states.copy_from_slice(&self.trial);
         std::mem::swap(&mut self.registers, &mut self.trial_registers);
-        for (rate, state) in self.rates[0].iter_mut().zip(&self.program.states) {
-            *rate = self.registers[state.rate.index()];
-        }
+        self.take_rates();
         self.check_voltages()?;
         self.watch_integrators();
         self.watch_amplifiers();
