@@ -47,8 +47,7 @@ pub(super) fn circuit(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
 }
 
 fn machine(patch: &Patch, findings: &mut Vec<Diagnostic>) -> &'static Machine {
-    let unlimited = machines::ALL[machines::ALL.len() - 1];
-    let Some(name) = &patch.machine else { return unlimited };
+    let Some(name) = &patch.machine else { return machines::UNNAMED };
     machines::find(&name.value).unwrap_or_else(|| {
         let known: Vec<_> = machines::ALL.iter().map(|machine| machine.name).collect();
         let message = format!("there is no machine \"{}\"", name.value);
@@ -56,7 +55,7 @@ fn machine(patch: &Patch, findings: &mut Vec<Diagnostic>) -> &'static Machine {
             Diagnostic::at(Code::UnknownMachine, name.span, message)
                 .maybe_hint(suggestion(&name.value, &known)),
         );
-        unlimited
+        machines::UNNAMED
     })
 }
 

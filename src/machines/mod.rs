@@ -97,6 +97,9 @@ pub const REFERENCE: f64 = 100.0;
 /// Every machine.
 pub static ALL: &[&Machine] = &[&solartron_1451::MACHINE, &unlimited::MACHINE];
 
+/// The machine of patches that name none.
+pub static UNNAMED: &Machine = &unlimited::MACHINE;
+
 /// The machine of this name.
 pub fn find(name: &str) -> Option<&'static Machine> {
     ALL.iter().copied().find(|machine| machine.name == name)
