@@ -105,6 +105,9 @@ proptest! {
         let multiplier = element("multiplier").set("mode", "sum-of-squares").cord("a", "a").cord("b", "b");
         let squares = (a.max(0.0).powi(2) + b.max(0.0).powi(2)) / 100.0;
         prop_assert!((at_rest(sources(a, b, 0.0).element("M", multiplier), "M") - clip(squares)).abs() < 1e-12);
+        let multiplier = element("multiplier").set("mode", "product").cord("a", "a").cord("b", "b");
+        let quarter_squares = ((a + b).powi(2) - (a - b).powi(2)) / 400.0;
+        prop_assert!((at_rest(sources(a, b, 0.0).element("M", multiplier), "M") - quarter_squares).abs() < 1e-12);
     }
 
     #[test]

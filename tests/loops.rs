@@ -71,6 +71,21 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(common::random_cases(48))]
+
+    #[test]
+    fn a_product_with_a_factor_from_outside_is_a_straight_piece(u in -100.0..100.0f64, g in -90.0..100.0f64) {
+        // S1 = -(u + g S1 / 100), so that the summer divides by 1 + g / 100, up to its limit.
+        let product = element("multiplier").set("mode", "product").cord("a", "S1").cord("b", "g");
+        let divider = source(source(volts("divider"), "u", u), "g", g)
+            .element("M1", product)
+            .element("S1", element("summer").cords("x1", ["u", "M1"]));
+        let expected = (-u / (1.0 + g / 100.0)).clamp(-100.0, 100.0);
+        prop_assert!((solved(divider, "S1") - expected).abs() < 1e-9);
+    }
+}
+
 fn diodes_and_limits(u: f64, setting: f64, level: f64, slope: f64) -> PatchBuilder {
     let limit = serde_json::json!({"upper": level, "slope": slope});
     source(volts("diodes"), "u", u)

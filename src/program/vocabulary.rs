@@ -2,7 +2,7 @@
 
 use super::lower::Lowering;
 use super::{Delay, Guard, Mode, ModeHandle, Op, Register, State, Transition};
-use crate::elements::{Default as SettingDefault, Family};
+use crate::elements::{Default as SettingDefault, Family, Measure};
 use crate::machines::REFERENCE;
 use crate::patch::{Amount, Function};
 
@@ -76,6 +76,21 @@ impl<'c> Lowering<'c> {
             Some(Amount::Flag(flag)) => *flag,
             _ => matches!(self.default(name), SettingDefault::Number(number) if number != 0.0),
         }
+    }
+
+    /// The word that a setting chooses, the first of its words where nothing says otherwise.
+    pub fn choice(&self, name: &str) -> &'static str {
+        let Measure::Choice(words) =
+            self.circuit.element(self.current).kind.settings[self.setting(name)].measure
+        else {
+            unreachable!("a law asks for a choice where its kind offers words")
+        };
+        let chosen = match (self.amount(name), self.default(name)) {
+            (Some(Amount::Choice(index)), _) => *index,
+            (_, SettingDefault::Number(index)) => index as usize,
+            _ => 0,
+        };
+        words[chosen]
     }
 
     pub(super) fn amount(&self, name: &str) -> Option<&'c Amount> {
