@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use patchcord::circuit::Circuit;
+use patchcord::elements::reference_page;
 use patchcord::patch::{Patch, json_schema};
 use patchcord::program::Program;
 
@@ -61,13 +62,21 @@ fn every_patch_shown_is_right() {
     assert!(shown >= 2);
 }
 
-#[test]
-fn the_schema_is_fresh() {
-    let path = "docs/patch.schema.json";
-    let fresh = format!("{:#}\n", json_schema());
+/// Holds a generated file against what it would be now, or writes it anew where that is asked for.
+fn check_fresh(path: &str, fresh: &str) {
     if std::env::var_os("PATCHCORD_BLESS").is_some() {
-        fs::write(path, &fresh).unwrap();
+        fs::write(path, fresh).unwrap();
     }
     let stored = fs::read_to_string(path).unwrap_or_default();
     assert!(stored == fresh, "{path} is stale: PATCHCORD_BLESS=1 cargo test --test docs rewrites it");
+}
+
+#[test]
+fn the_schema_is_fresh() {
+    check_fresh("docs/patch.schema.json", &format!("{:#}\n", json_schema()));
+}
+
+#[test]
+fn the_page_of_elements_is_fresh() {
+    check_fresh("docs/elements.md", &reference_page());
 }

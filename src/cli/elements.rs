@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::failure::Failure;
 use super::table::Table;
 use super::{say, say_json};
-use patchcord::elements::{Default, Family, Input, Jacks, Kind, Measure, REGISTRY, Setting};
+use patchcord::elements::{Kind, Page, REGISTRY, reference_page};
 use patchcord::patch::{json_schema, suggestion};
 
 #[derive(Args)]
@@ -19,11 +19,17 @@ pub(super) struct Arguments {
     /// Print the JSON Schema of patch documents, made from the table of elements
     #[arg(long, conflicts_with_all = ["name", "json"])]
     schema: bool,
+    /// Print every page as one Markdown document
+    #[arg(long, conflicts_with_all = ["name", "json", "schema"])]
+    markdown: bool,
 }
 
 pub(super) fn elements(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.schema {
         return say_json(&json_schema());
+    }
+    if arguments.markdown {
+        return say(&reference_page());
     }
     let kinds = match &arguments.name {
         None => REGISTRY.to_vec(),
@@ -33,7 +39,7 @@ pub(super) fn elements(arguments: &Arguments) -> Result<(), Failure> {
         return say_json(&kinds.iter().map(|kind| kind_json(kind)).collect());
     }
     match (&arguments.name, kinds.as_slice()) {
-        (Some(_), [kind]) => say(&page(kind)),
+        (Some(_), [kind]) => say(&text(&Page::of(kind))),
         _ => say(&catalogue(&kinds)),
     }
 }
@@ -50,42 +56,17 @@ fn find(name: &str) -> Result<&'static Kind, Failure> {
 fn catalogue(kinds: &[&Kind]) -> String {
     let mut table = Table::new(["kind", "in", "what it is"]);
     for kind in kinds {
-        table.row([kind.name.to_owned(), section(kind.family).to_owned(), kind.summary.to_owned()]);
+        table.row([kind.name.to_owned(), kind.family.section().to_owned(), kind.summary.to_owned()]);
     }
     format!("{}\n`patchcord elements NAME` tells all about one.\n", table.text())
 }
 
-/// The section of a document where a family stands.
-fn section(family: Family) -> &'static str {
-    match family {
-        Family::Computing => "elements",
-        Family::Drive => "drives",
-        Family::Reference => "cords",
+fn text(page: &Page) -> String {
+    let mut text = format!("{}: {}\n\n", page.name, page.summary);
+    for (what, told) in &page.facts {
+        text += &format!("{what:<10}{told}\n");
     }
-}
-
-fn page(kind: &Kind) -> String {
-    let mut text = format!("{}: {}\n\n", kind.name, kind.summary);
-    text += &format!("law       {}\noverload  {}\nmodes     {}\n", kind.law, kind.overload, kind.modes);
-    text += &format!("source    {}\n", kind.source);
-    if !kind.parts.is_empty() {
-        text += &format!("parts     {}\n", parts(kind).join(", "));
-    }
-    let mut inputs = Table::new(["input", "cords", "what it is for"]);
-    for input in kind.inputs {
-        inputs.row([jack(input), cords(input), input.description.to_owned()]);
-    }
-    let mut settings = Table::new(["setting", "unit", "default", "range", "what it does"]);
-    for setting in kind.settings {
-        settings.row([
-            setting.name.to_owned(),
-            setting.unit().to_owned(),
-            default(setting),
-            range(setting),
-            setting.description.to_owned(),
-        ]);
-    }
-    for table in [inputs.text(), settings.text()] {
+    for table in [table(Page::INPUTS, &page.inputs), table(Page::SETTINGS, &page.settings)] {
         if !table.is_empty() {
             text += &format!("\n{table}");
         }
@@ -93,56 +74,18 @@ fn page(kind: &Kind) -> String {
     text
 }
 
-fn parts(kind: &Kind) -> Vec<String> {
-    let told = kind.parts.iter().map(|takes| {
-        let with = if takes.with.is_empty() { String::new() } else { format!(" with \"{}\"", takes.with) };
-        format!("{}{with}", takes.part.counted(takes.count))
-    });
-    told.collect()
-}
-
-fn jack(input: &Input) -> String {
-    if input.jacks == Jacks::Gains {
-        format!("{}1, {}10, ...", input.name, input.name)
-    } else {
-        input.name.to_owned()
+fn table<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> String {
+    let mut table = Table::new(headings);
+    for row in rows {
+        table.row(row.clone());
     }
-}
-
-fn cords(input: &Input) -> String {
-    let count = match input.jacks {
-        Jacks::One => "1".to_owned(),
-        Jacks::Exactly(count) => count.to_string(),
-        Jacks::Any | Jacks::Gains => "any number".to_owned(),
-    };
-    if input.required { count } else { format!("{count}, or none") }
-}
-
-fn default(setting: &Setting) -> String {
-    match (setting.default, setting.measure) {
-        (Default::Required, _) => "must be given".to_owned(),
-        (Default::Absent, _) => "none".to_owned(),
-        (Default::Number(number), Measure::Flag) => (number != 0.0).to_string(),
-        (Default::Number(number), _) => number.to_string(),
-    }
-}
-
-fn range(setting: &Setting) -> String {
-    match setting.measure {
-        Measure::Flag => String::new(),
-        Measure::Choice(words) => words.join(", "),
-        _ => match setting.range {
-            (f64::MIN, f64::MAX) => "any".to_owned(),
-            (low, f64::MAX) => format!("{low} or more"),
-            (low, high) => format!("{low} ... {high}"),
-        },
-    }
+    table.text()
 }
 
 fn kind_json(kind: &Kind) -> Value {
     json!({
         "name": kind.name,
-        "section": section(kind.family),
+        "section": kind.family.section(),
         "summary": kind.summary,
         "law": kind.law,
         "overload": kind.overload,
@@ -154,15 +97,15 @@ fn kind_json(kind: &Kind) -> Value {
         })).collect::<Value>(),
         "inputs": kind.inputs.iter().map(|input| json!({
             "name": input.name,
-            "cords": cords(input),
+            "cords": input.cords_told(),
             "required": input.required,
             "description": input.description,
         })).collect::<Value>(),
         "settings": kind.settings.iter().map(|setting| json!({
             "name": setting.name,
             "unit": setting.unit(),
-            "default": default(setting),
-            "range": range(setting),
+            "default": setting.default_told(),
+            "range": setting.range_told(),
             "description": setting.description,
         })).collect::<Value>(),
     })

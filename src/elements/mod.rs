@@ -12,6 +12,7 @@ mod integrator;
 mod key_switch;
 mod kind;
 mod multiplier;
+mod page;
 mod pot;
 mod ramp;
 mod reference;
@@ -25,6 +26,7 @@ mod triangle;
 
 pub(crate) use kind::gain_of;
 pub use kind::{Default, Family, Input, Jacks, Kind, Measure, Output, Setting, Takes};
+pub use page::{Page, reference_page};
 pub(crate) use reference::{REFERENCE, REFERENCES};
 
 /// Every kind of element and drive, in the order of listings.

@@ -344,6 +344,16 @@ fn a_ball_at_rest_reads_0() {
 }
 
 #[test]
+fn the_page_of_elements_is_printed_too() {
+    assert_eq!(out(&patchcord(&["elements", "--markdown"])), patchcord::elements::reference_page());
+    let told = out(&patchcord(&["elements", "integrator"]));
+    assert!(
+        told.contains("law       d out / dt = ") && told.contains("\nsetting      unit  default"),
+        "{told}"
+    );
+}
+
+#[test]
 fn help_and_version_end_well() {
     for arguments in [["--help"], ["--version"]] {
         assert_eq!(code(&patchcord(&arguments)), 0);
