@@ -4,7 +4,7 @@ mod common;
 
 use common::{built, check_derivatives, circuit, element, patch, ran, root, source, voltage, volts};
 use patchcord::circuit::Circuit;
-use patchcord::patch::{Patch, PatchBuilder};
+use patchcord::patch::{ElementBuilder, Patch, PatchBuilder};
 use patchcord::program::Program;
 use proptest::prelude::*;
 
@@ -95,6 +95,92 @@ fn diodes_and_limits(u: f64, setting: f64, level: f64, slope: f64) -> PatchBuild
         .element("U1", element("diode-upper-of").set("in", serde_json::json!(["S1", "P2"])))
         .element("S2", element("summer").cords("x1", ["U1"]))
         .element("S3", element("summer").cords("x1", ["S2"]).cords("x0.5", ["S3"]))
+}
+
+/// An open amplifier with the square of its output, where that is positive, fed back: the root of an input.
+fn root_of(x: f64, amplification: f64) -> PatchBuilder {
+    source(volts("root"), "u", -x)
+        .element("OA", element("open-amplifier").cords("x1", ["u", "M1"]).set("amplification", amplification))
+        .element("M1", squares("OA"))
+}
+
+fn squares(of: &str) -> ElementBuilder {
+    element("multiplier").set("mode", "sum-of-squares").cord("a", of).cord("b", "ground")
+}
+
+proptest! {
+    #![proptest_config(common::random_cases(64))]
+
+    #[test]
+    fn a_square_fed_back_gives_the_root(x in 1e-3..100.0f64, decades in 2.0..9.0f64) {
+        let gain = 10f64.powf(decades).round();
+        // out = -A (out^2 / 100 - x), its positive root written so that nothing cancels.
+        let expected = 2.0 * gain * x / (1.0 + (1.0 + 4.0 * gain * gain * x / 100.0).sqrt());
+        let found = solved(root_of(x, gain), "OA");
+        prop_assert!((found - expected.min(100.0)).abs() < 1e-12 * (1.0 + 1.0 / x), "{found} {expected}");
+    }
+
+    #[test]
+    fn a_loop_through_a_square_agrees_with_its_quadratic(u in -99.0..99.0f64) {
+        // out = -(u + max(out, 0)^2 / 100).
+        let builder = source(volts("square"), "u", u)
+            .element("S1", element("summer").cords("x1", ["u", "M1"]))
+            .element("M1", squares("S1"));
+        let expected = if u >= 0.0 { -u } else { -2.0 * u / (1.0 + (1.0 - 4.0 * u / 100.0).sqrt()) };
+        prop_assert!((solved(builder, "S1") - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_curved_loop_inside_another_is_solved(u in 40.0..90.0f64, v in 30.0..70.0f64) {
+        // r^2 / 100 = u - s / 4 and s^2 / 100 = v + r / 4.
+        let (gain, s) = (1e9, |r: f64| 10.0 * (v + r / 4.0).sqrt());
+        let open = || element("open-amplifier").set("amplification", gain);
+        let builder = source(source(volts("two roots"), "u", -u), "v", -v)
+            .element("R", open().cords("x1", ["u", "M1"]).cords("x0.25", ["S"]))
+            .element("S", open().cords("x1", ["v", "M2"]).cords("x0.25", ["N1"]))
+            .element("N1", element("summer").cords("x1", ["R"]))
+            .element("M1", squares("R"))
+            .element("M2", squares("S"));
+        let expected = root(|r| u - s(r) / 4.0 - r * r / 100.0, 0.0, 100.0);
+        let machine = built(builder);
+        let machine = ran(&machine, 1e-3, 0.0);
+        let found = (voltage(&machine, "R"), voltage(&machine, "S"));
+        // Both squares are out by out / 1e9.
+        prop_assert!((found.0 - expected).abs() < 1e-6, "{found:?} {expected}");
+        prop_assert!((found.1 - s(expected)).abs() < 1e-6, "{found:?} {expected}");
+    }
+}
+
+#[test]
+fn the_root_of_a_negative_number_overloads() {
+    let program = built(root_of(-20.0, 1e6));
+    let machine = ran(&program, 1e-3, 0.0);
+    assert_eq!(voltage(&machine, "OA"), -100.0);
+    assert_eq!(machine.overloads()[0].element, "OA");
+}
+
+#[test]
+fn both_roots_of_a_square_are_told() {
+    // With both signs squared, out^2 / 100 = 25 has two roots, and at -100 V the amplifier latches up.
+    let builder = source(volts("roots"), "u", -25.0)
+        .element("N1", element("summer").cords("x1", ["OA"]))
+        .element("M1", squares("OA").cord("b", "N1"))
+        .element("OA", element("open-amplifier").cords("x1", ["u", "M1"]));
+    let report = Program::new(&circuit(&builder.build().unwrap(), &[])).unwrap_err().to_string();
+    assert!(report.contains("3 solutions: OA at -100 V, -50.0001 V, 49.9999 V"), "{report}");
+}
+
+#[test]
+fn derivatives_go_through_curved_loops() {
+    // x' = -10 (root(x + 30) - 40 V): the root's slope changes all along.
+    let builder = volts("leak")
+        .element("A1", element("integrator").cords("x10", ["OA", "P2"]).set("initial", 20))
+        .element("P2", element("pot").cord("in", "-100").set("setting", 0.4))
+        .element("P1", element("pot").cord("in", "-100").set("setting", 0.3))
+        .element("N2", element("summer").cords("x1", ["A1"]))
+        .element("OA", element("open-amplifier").cords("x1", ["N2", "P1", "M1"]))
+        .element("M1", squares("OA"));
+    check_derivatives(&built(builder), 1e-3, &[0.0, 0.05]);
 }
 
 /// A loop of positive gain 2 about 0 V: it latches up at either limit, or balances between them.

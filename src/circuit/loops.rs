@@ -57,11 +57,17 @@ impl Opener<'_> {
         Stage::Loop { opened: part[opened], inside: self.ordered(&inside, depth + 1) }
     }
 
-    /// The member that opens a loop: one that leaves no loop inside if there is one, amplifiers before others.
+    /// The member that opens a loop: one that leaves no loop inside if there is one; open amplifiers, whose gain
+    /// magnifies what is wrong with their inputs, before other amplifiers, and these before the rest.
     fn opened(&self, part: &Plain, members: &[NodeIndex]) -> NodeIndex {
         let element = |index: &NodeIndex| &self.graph[NodeIndex::new(part[*index])];
         let mut order = members.to_vec();
-        order.sort_by_key(|index| (element(index).kind.output == Output::Passive, part[*index]));
+        let rank = |index: &NodeIndex| match element(index).kind.output {
+            Output::OpenAmplifier => 0,
+            Output::Amplifier | Output::Integrator => 1,
+            Output::Passive => 2,
+        };
+        order.sort_by_key(|index| (rank(index), part[*index]));
         let opens_all = |index: &NodeIndex| toposort(&without(part, members, *index), None).is_ok();
         order.iter().copied().find(opens_all).unwrap_or(order[0])
     }

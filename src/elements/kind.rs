@@ -77,6 +77,9 @@ pub enum Family {
 pub enum Output {
     /// An amplifier: clipped at ±100 V, with an overload lamp.
     Amplifier,
+    /// An amplifier without feedback of its own, clipped and watched like the others: its output is what makes
+    /// its inputs agree.
+    OpenAmplifier,
     /// An amplifier that integrates: its state is what is limited.
     Integrator,
     /// A network without an amplifier: as high as what drives it.

@@ -13,6 +13,7 @@ mod key_switch;
 mod kind;
 mod multiplier;
 mod page;
+mod open_amplifier;
 mod pot;
 mod ramp;
 mod reference;
@@ -32,6 +33,7 @@ pub(crate) use reference::{REFERENCE, REFERENCES};
 /// Every kind of element and drive, in the order of listings.
 pub static REGISTRY: &[&Kind] = &[
     &summer::KIND,
+    &open_amplifier::KIND,
     &integrator::KIND,
     &pot::KIND,
     &diode_dead_zone::KIND,

@@ -101,8 +101,6 @@ codes! {
         "put an integrator or a lag into the loop";
     LoopWithSolutions "loop-with-solutions" Error "A loop without an integrator that several sets of voltages satisfy."
         "bring the gain of the loop under 1, or invert it once more";
-    LoopNotPiecewiseLinear "loop-not-piecewise-linear" Error "A loop without an integrator through an element that is not made of straight pieces."
-        "put an integrator or a lag into the loop";
     LoopTooTangled "loop-too-tangled" Error "Loops without an integrator that are too tangled to be opened one after the other."
         "put an integrator or a lag into some of the loops";
 }

@@ -1,6 +1,6 @@
 //! The functions that formulas and machines can take of one or two numbers.
 
-use std::f64::consts::LN_10;
+use std::f64::consts::{FRAC_PI_2, LN_10, PI, TAU};
 
 /// A function of one or two numbers.
 ///
@@ -42,6 +42,19 @@ struct Entry {
     domain: Option<&'static str>,
     value: fn(f64, f64) -> f64,
     derivative: fn(f64, f64) -> (f64, f64),
+    shape: Shape,
+}
+
+/// Where a function takes its least and largest values over ranges of its arguments.
+enum Shape {
+    /// At the ends: it rises or falls along each argument all the way.
+    Monotonic,
+    /// At the ends, as long as the base is above 0.
+    MonotonicAboveZero,
+    /// At the ends, and at 1 and -1 where the angle passes these, in radians and whole turns from them.
+    Wave { crest: f64, trough: f64 },
+    /// Nothing is known.
+    Unknown,
 }
 
 // In the order of the enumeration, which is used as the index.
@@ -54,6 +67,7 @@ static TABLE: [Entry; 12] = [
         domain: Some("sqrt needs 0 or more"),
         value: |a, _| a.sqrt(),
         derivative: |a, _| (0.5 / a.sqrt(), 0.0),
+        shape: Shape::Monotonic,
     },
     Entry {
         function: Function::Sin,
@@ -63,6 +77,7 @@ static TABLE: [Entry; 12] = [
         domain: None,
         value: |a, _| libm::sin(a),
         derivative: |a, _| (libm::cos(a), 0.0),
+        shape: Shape::Wave { crest: FRAC_PI_2, trough: -FRAC_PI_2 },
     },
     Entry {
         function: Function::Cos,
@@ -72,6 +87,7 @@ static TABLE: [Entry; 12] = [
         domain: None,
         value: |a, _| libm::cos(a),
         derivative: |a, _| (-libm::sin(a), 0.0),
+        shape: Shape::Wave { crest: 0.0, trough: PI },
     },
     Entry {
         function: Function::Tan,
@@ -84,6 +100,7 @@ static TABLE: [Entry; 12] = [
             let tangent = libm::tan(a);
             (1.0 + tangent * tangent, 0.0)
         },
+        shape: Shape::Unknown,
     },
     Entry {
         function: Function::Atan,
@@ -93,6 +110,7 @@ static TABLE: [Entry; 12] = [
         domain: None,
         value: |a, _| libm::atan(a),
         derivative: |a, _| (1.0 / (1.0 + a * a), 0.0),
+        shape: Shape::Monotonic,
     },
     Entry {
         function: Function::Atan2,
@@ -105,6 +123,7 @@ static TABLE: [Entry; 12] = [
             let square = a * a + b * b;
             (b / square, -a / square)
         },
+        shape: Shape::Unknown,
     },
     Entry {
         function: Function::Exp,
@@ -114,6 +133,7 @@ static TABLE: [Entry; 12] = [
         domain: None,
         value: |a, _| libm::exp(a),
         derivative: |a, _| (libm::exp(a), 0.0),
+        shape: Shape::Monotonic,
     },
     Entry {
         function: Function::Ln,
@@ -123,6 +143,7 @@ static TABLE: [Entry; 12] = [
         domain: Some("ln needs more than 0"),
         value: |a, _| libm::log(a),
         derivative: |a, _| (1.0 / a, 0.0),
+        shape: Shape::Monotonic,
     },
     Entry {
         function: Function::Log10,
@@ -132,6 +153,7 @@ static TABLE: [Entry; 12] = [
         domain: Some("log10 needs more than 0"),
         value: |a, _| libm::log10(a),
         derivative: |a, _| (1.0 / (a * LN_10), 0.0),
+        shape: Shape::Monotonic,
     },
     Entry {
         function: Function::Tanh,
@@ -144,6 +166,7 @@ static TABLE: [Entry; 12] = [
             let cosine = libm::cosh(a);
             (1.0 / (cosine * cosine), 0.0)
         },
+        shape: Shape::Monotonic,
     },
     Entry {
         function: Function::Power,
@@ -153,6 +176,7 @@ static TABLE: [Entry; 12] = [
         domain: Some("a negative base needs a whole exponent, and a base of 0 an exponent of 0 or more"),
         value: libm::pow,
         derivative: |a, b| (power_by_base(a, b), power_by_exponent(a, b)),
+        shape: Shape::MonotonicAboveZero,
     },
     Entry {
         function: Function::Floor,
@@ -162,6 +186,7 @@ static TABLE: [Entry; 12] = [
         domain: None,
         value: |a, _| libm::floor(a),
         derivative: |_, _| (0.0, 0.0),
+        shape: Shape::Monotonic,
     },
 ];
 
@@ -174,6 +199,12 @@ fn power_by_base(base: f64, exponent: f64) -> f64 {
 // 0 lets a constant exponent pass through the chain rule.
 fn power_by_exponent(base: f64, exponent: f64) -> f64 {
     if base > 0.0 { libm::pow(base, exponent) * libm::log(base) } else { 0.0 }
+}
+
+/// Whether an angle, or one that is whole turns from it, lies within bounds.
+fn passes(angle: f64, bounds: (f64, f64)) -> bool {
+    let turns = libm::ceil((bounds.0 - angle) / TAU);
+    angle + turns * TAU <= bounds.1
 }
 
 impl Function {
@@ -220,6 +251,23 @@ impl Function {
     /// The derivative of `power` to its exponent is given as 0 for a base that is not positive.
     pub fn derivative(self, a: f64, b: f64) -> (f64, f64) {
         (self.entry().derivative)(a, b)
+    }
+
+    /// Bounds of its values where `a` and `b` lie within these bounds: infinite where none are known.
+    pub(crate) fn over(self, a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+        let ends = [(a.0, b.0), (a.0, b.1), (a.1, b.0), (a.1, b.1)].map(|(a, b)| self.apply(a, b));
+        let least = ends.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let unknown = (f64::NEG_INFINITY, f64::INFINITY);
+        match self.entry().shape {
+            _ if ends.iter().any(|end| end.is_nan()) => unknown,
+            Shape::Monotonic => (least, most),
+            Shape::MonotonicAboveZero if a.0 > 0.0 => (least, most),
+            Shape::Wave { crest, trough } => {
+                (if passes(trough, a) { -1.0 } else { least }, if passes(crest, a) { 1.0 } else { most })
+            }
+            _ => unknown,
+        }
     }
 
     fn entry(self) -> &'static Entry {

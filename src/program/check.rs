@@ -9,6 +9,7 @@ use super::evaluate::Scratch;
 use super::loops::{LoopFault, Solutions};
 use super::{Loop, Program, Sources};
 use crate::circuit::Circuit;
+use crate::elements::Output;
 use crate::patch::{Code, Diagnostic, Report, told};
 
 /// Modes that have not settled after so many rounds never will.
@@ -116,23 +117,28 @@ fn loop_through(program: &Program, element: usize) -> Option<Vec<usize>> {
 fn diagnostic(circuit: &Circuit, entry: &Loop, solutions: Solutions) -> Diagnostic {
     let opened = entry.members.last().map_or("", String::as_str);
     let members = entry.members.join(", ");
+    let element = circuit.elements().into_iter().find(|element| element.name == opened);
     let (code, hint) = match solutions {
         Solutions::Counted { count: 0, .. } => (
             Code::LoopWithoutSolution,
             "put an integrator or a lag into the loop, or a relay with hysteresis",
         ),
-        Solutions::NotStraight | Solutions::NotANumber => {
-            (Code::LoopNotPiecewiseLinear, "put an integrator or a lag into the loop")
+        Solutions::NotANumber => {
+            (Code::LoopWithoutSolution, "look for what goes beyond all numbers in it: a gain, a function")
         }
         Solutions::TooManyPieces => (Code::LoopTooTangled, "put an integrator or a lag into the loop"),
         Solutions::Range => {
             (Code::LoopWithSolutions, "its gain is exactly 1: change it, or put an integrator into the loop")
         }
+        _ if element.is_some_and(|element| element.kind.output == Output::OpenAmplifier) => (
+            Code::LoopWithSolutions,
+            "what is fed back has to rise with the output all the way from -100 V to 100 V: square one sign only, \
+             divide by what is above 0",
+        ),
         _ => (Code::LoopWithSolutions, "the loop latches up: bring its gain under 1, or invert it once more"),
     };
     let message = format!("the loop {members} has no integrator and {}", tell(solutions, opened));
-    let span =
-        circuit.elements().iter().find(|element| element.name == opened).and_then(|element| element.span);
+    let span = element.and_then(|element| element.span);
     Diagnostic { code, span, message, hint: Some(hint.to_owned()) }
 }
 
@@ -152,8 +158,7 @@ pub(crate) fn tell(solutions: Solutions, opened: &str) -> String {
             format!("{count} solutions: {opened} at {}{more}", told.join(", "))
         }
         Solutions::Range => format!("a whole range of solutions: {opened} follows itself"),
-        Solutions::NotStraight => "goes through an element that is not made of straight pieces".to_owned(),
         Solutions::NotANumber => "a voltage in it that is not a number".to_owned(),
-        Solutions::TooManyPieces => "is made of more straight pieces than can be walked".to_owned(),
+        Solutions::TooManyPieces => "is made of more pieces than can be looked at".to_owned(),
     }
 }

@@ -2,24 +2,30 @@
 
 use std::ops::Range;
 
-use super::loops::{LoopFault, solve_tear, tear_slope};
+use super::loops::{LoopFault, solve_tear};
 use super::number::{Dual, Number};
 use super::op::{Op, Sources};
 use super::piece::Piece;
+use super::range::Range as Stretch;
 use super::{Coefficient, Program};
 
 /// Room for what an evaluation needs besides registers, so that none is made in a step.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
     pub pieces: Vec<Piece>,
+    pub ranges: Vec<Stretch>,
     /// The loops that could not be solved.
     pub faults: Vec<LoopFault>,
 }
 
 impl Scratch {
     pub fn new(program: &Program) -> Self {
-        let pieces = if program.loops.is_empty() { 0 } else { program.body.len() };
-        Scratch { pieces: vec![Piece::constant(0.0); pieces], faults: Vec::new() }
+        let room = if program.loops.is_empty() { 0 } else { program.body.len() };
+        Scratch {
+            pieces: vec![Piece::constant(0.0); room],
+            ranges: vec![Stretch::constant(0.0); room],
+            faults: Vec::new(),
+        }
     }
 }
 
@@ -68,13 +74,17 @@ impl Evaluation for Dual {
             tables: from.tables,
             delayed: &delayed,
         };
-        let plain_registers = values(registers);
-        let solution = solve_tear(program, index, &plain, &plain_registers, scratch);
-        let own_slope = tear_slope(program, index, &plain, &plain_registers, solution, scratch);
-        let entry = &program.loops[index];
-        registers[entry.tear.index()] = Dual::constant(solution);
-        program.evaluate_range(entry.tear.index() + 1..entry.result.index() + 1, from, registers, scratch);
-        Dual::new(solution, registers[entry.result.index()].slope / (1.0 - own_slope))
+        let solution = solve_tear(program, index, &plain, &values(registers), scratch);
+        let mut slope_with = |tear: Dual| {
+            let entry = &program.loops[index];
+            registers[entry.tear.index()] = tear;
+            let body = entry.tear.index() + 1..entry.result.index() + 1;
+            program.evaluate_range(body, from, registers, scratch);
+            registers[entry.result.index()].slope
+        };
+        let by_the_rest = slope_with(Dual::constant(solution));
+        let by_both = slope_with(Dual::new(solution, 1.0));
+        Dual::new(solution, by_the_rest / (1.0 - (by_both - by_the_rest)))
     }
 }
 

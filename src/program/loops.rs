@@ -1,6 +1,8 @@
-//! Loops without an integrator: every solution of the tear, found by walking its straight pieces.
+//! Loops without an integrator: every solution of the tear, found by walking its straight pieces, or by
+//! narrowing down (`curved`) where it has curved ones.
 
 use super::Program;
+use super::curved;
 use super::evaluate::Scratch;
 use super::number::Number;
 use super::op::{Op, Sources};
@@ -22,12 +24,17 @@ pub(crate) enum Solutions {
     Counted { count: usize, first: [f64; KEPT] },
     /// A whole range of voltages.
     Range,
-    /// Cannot be told: an element of the loop is not made of straight pieces.
-    NotStraight,
     /// A voltage of the loop is not a number.
     NotANumber,
-    /// More straight pieces than can be walked.
+    /// More pieces than can be looked at.
     TooManyPieces,
+}
+
+/// Why a walk ends early.
+enum Obstacle {
+    /// An element of the loop is not made of straight pieces.
+    Curve,
+    Fault(Solutions),
 }
 
 /// More pieces than this would take too long at every evaluation.
@@ -35,7 +42,7 @@ const MOST_PIECES: usize = 10_000;
 /// How many solutions are told one by one.
 const KEPT: usize = 4;
 /// Solutions nearer to each other than this, in volts, are one.
-const APART: f64 = 1e-6;
+pub(super) const APART: f64 = 1e-6;
 /// Slopes nearer to 1 than this make the tear follow itself.
 const FOLLOWS: f64 = 1e-12;
 
@@ -48,26 +55,16 @@ pub(super) fn solve_tear(
     scratch: &mut Scratch,
 ) -> f64 {
     let mut walker = Walker::new(program, index, from, registers, &mut scratch.pieces);
-    let solutions = walker.walk(index, walker.origin);
+    let solutions = match walker.walk(index, walker.origin) {
+        Ok(found) => found.solutions(),
+        Err(Obstacle::Fault(solutions)) => solutions,
+        Err(Obstacle::Curve) => curved::search(program, index, from, registers, &mut scratch.ranges),
+    };
     if let Solutions::Counted { count: 1, first } = solutions {
         return first[0];
     }
     scratch.faults.push(LoopFault { index, solutions });
     f64::NAN
-}
-
-/// How steeply a loop's result follows its tear at a solution.
-pub(super) fn tear_slope(
-    program: &Program,
-    index: usize,
-    from: &Sources<'_, f64>,
-    registers: &[f64],
-    solution: f64,
-    scratch: &mut Scratch,
-) -> f64 {
-    let mut walker = Walker::new(program, index, from, registers, &mut scratch.pieces);
-    let result = walker.follow(index, moving(solution), walker.origin);
-    result.map_or(f64::NAN, |piece| piece.slope)
 }
 
 /// A tear that moves to the right.
@@ -98,44 +95,43 @@ impl<'a> Walker<'a> {
     }
 
     /// Goes through a tear's range from left to right, piece by piece; what stands before `frozen` stays.
-    fn walk(&mut self, index: usize, frozen: usize) -> Solutions {
+    fn walk(&mut self, index: usize, frozen: usize) -> Result<Found, Obstacle> {
         let (mut begin, mut probe) = (-REFERENCE, -REFERENCE);
         let mut found = Found::default();
         for _ in 0..MOST_PIECES {
-            let result = match self.follow(index, moving(probe), frozen) {
-                Ok(result) => result,
-                Err(solutions) => return solutions,
-            };
+            let result = self.follow(index, moving(probe), frozen)?;
             let end = (probe + result.reach).min(REFERENCE);
             match crossing(result, probe) {
-                Crossing::Everywhere => return Solutions::Range,
+                Crossing::Everywhere => return Err(Obstacle::Fault(Solutions::Range)),
                 Crossing::At(tear) if tear >= begin - APART && tear <= end + APART => found.add(tear),
                 _ => {}
             }
             if end >= REFERENCE {
-                return Solutions::Counted { count: found.count, first: found.first };
+                return Ok(found);
             }
             begin = end;
             probe = end.max(probe) + LEAST_PIECE;
         }
-        Solutions::TooManyPieces
+        Err(Obstacle::Fault(Solutions::TooManyPieces))
     }
 
     /// The loop's result for a tear; an error where it is not a straight piece.
-    fn follow(&mut self, index: usize, tear: Piece, frozen: usize) -> Result<Piece, Solutions> {
+    fn follow(&mut self, index: usize, tear: Piece, frozen: usize) -> Result<Piece, Obstacle> {
         let program = self.program;
         let entry = &program.loops[index];
         self.pieces[entry.tear.index()] = tear;
         for at in entry.tear.index() + 1..=entry.result.index() {
             self.pieces[at] = match program.body[at] {
                 Op::Tear(inner) => self.inner_tear(inner as usize, frozen)?,
-                op => piece(op, self.from, |register| self.get(register, frozen)),
+                op => moved(op, self.from, |register| self.get(register, frozen)),
             };
         }
         let result = self.pieces[entry.result.index()];
         match result {
-            Piece { straight: false, .. } => Err(Solutions::NotStraight),
-            Piece { value, slope, .. } if value.is_nan() || slope.is_nan() => Err(Solutions::NotANumber),
+            Piece { straight: false, .. } => Err(Obstacle::Curve),
+            Piece { value, slope, .. } if value.is_nan() || slope.is_nan() => {
+                Err(Obstacle::Fault(Solutions::NotANumber))
+            }
             _ => Ok(result),
         }
     }
@@ -151,12 +147,9 @@ impl<'a> Walker<'a> {
     }
 
     /// The tear of a loop inside this one, and how it moves with the outer: dy = dF / (1 - dF/dy).
-    fn inner_tear(&mut self, index: usize, frozen: usize) -> Result<Piece, Solutions> {
+    fn inner_tear(&mut self, index: usize, frozen: usize) -> Result<Piece, Obstacle> {
         let own = self.program.loops[index].tear.index();
-        let solution = match self.walk(index, own) {
-            Solutions::Counted { count: 1, first } => first[0],
-            other => return Err(other),
-        };
+        let solution = self.walk(index, own)?.only().map_err(Obstacle::Fault)?;
         let by_itself = self.follow(index, moving(solution), own)?.slope;
         let by_the_outer = self.follow(index, Piece::constant(solution), frozen)?.slope;
         Ok(Piece { slope: by_the_outer / (1.0 - by_itself), ..Piece::constant(solution) })
@@ -178,8 +171,9 @@ fn crossing(result: Piece, probe: f64) -> Crossing {
     if gap.abs() < LEAST_PIECE { Crossing::Everywhere } else { Crossing::Nowhere }
 }
 
-#[derive(Default)]
-struct Found {
+/// The solutions that a search from left to right has met.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Found {
     count: usize,
     first: [f64; KEPT],
     last: Option<f64>,
@@ -187,7 +181,7 @@ struct Found {
 
 impl Found {
     /// Counts a solution, unless it is the last one seen from the next piece.
-    fn add(&mut self, tear: f64) {
+    pub fn add(&mut self, tear: f64) {
         if self.last.is_some_and(|last| (tear - last).abs() <= APART) {
             return;
         }
@@ -197,26 +191,24 @@ impl Found {
         self.count += 1;
         self.last = Some(tear);
     }
-}
 
-/// One operation inside a loop: what it reads from outside stands still.
-fn piece(op: Op, from: &Sources<'_, f64>, get: impl Fn(usize) -> Piece) -> Piece {
-    match op {
-        Op::Constant(_) | Op::Coefficient(_) | Op::State(_) | Op::Mode(_) | Op::Time | Op::Delayed(_) => {
-            Piece::constant(op.apply(from, |_| f64::NAN))
-        }
-        Op::Table(index, at) => get(at.index()).table(&from.tables[index as usize]),
-        _ => op.apply(&STILL, |register| get(register.index())),
+    pub fn solutions(self) -> Solutions {
+        Solutions::Counted { count: self.count, first: self.first }
+    }
+
+    /// The only solution, or what there is instead.
+    pub fn only(self) -> Result<f64, Solutions> {
+        if self.count == 1 { Ok(self.first[0]) } else { Err(self.solutions()) }
     }
 }
 
-/// For operations that read registers alone.
-const STILL: Sources<'static, Piece> = Sources {
-    parameters: &[],
-    coefficients: &[],
-    states: &[],
-    modes: &[],
-    time: Piece { value: 0.0, slope: 0.0, reach: f64::INFINITY, straight: true },
-    tables: &[],
-    delayed: &[],
-};
+/// One operation inside a loop, by another arithmetic: what it reads from outside stands still.
+pub(super) fn moved<N: Number>(op: Op, from: &Sources<'_, f64>, get: impl Fn(usize) -> N) -> N {
+    match op {
+        Op::Constant(_) | Op::Coefficient(_) | Op::State(_) | Op::Mode(_) | Op::Time | Op::Delayed(_) => {
+            N::constant(op.apply(from, |_| f64::NAN))
+        }
+        Op::Table(index, at) => get(at.index()).table(&from.tables[index as usize]),
+        _ => op.apply(&Sources::none(), |register| get(register.index())),
+    }
+}

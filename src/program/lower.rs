@@ -89,7 +89,7 @@ impl<'c> Lowering<'c> {
         self.current = element;
         let kind = self.circuit.element(element).kind;
         let mut register = (kind.output_law)(self);
-        if kind.output == Output::Amplifier {
+        if matches!(kind.output, Output::Amplifier | Output::OpenAmplifier) {
             self.program.lamps.push(Lamp { element, demand: register });
             register = self.clip(register);
         }
@@ -113,6 +113,8 @@ impl<'c> Lowering<'c> {
         inside.iter().for_each(|stage| self.stage(stage));
         self.output(opened);
         self.program.loops[index].result = self.outputs[opened].unwrap_or(tear);
+        // What is worked out from the tear carries its rounding times the gain of the loop; the tear does not.
+        self.outputs[opened] = Some(tear);
     }
 
     fn memories(&mut self) {

@@ -4,6 +4,7 @@
 //! states, modes and time into every voltage and every rate. Every backend reads nothing else.
 
 mod check;
+mod curved;
 mod evaluate;
 mod linearise;
 mod loops;
@@ -12,6 +13,7 @@ mod number;
 mod op;
 mod piece;
 mod prologue;
+mod range;
 mod vocabulary;
 
 pub use linearise::Linearisation;

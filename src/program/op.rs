@@ -76,6 +76,21 @@ pub(crate) struct Sources<'a, N> {
     pub delayed: &'a [N],
 }
 
+impl<N: Number> Sources<'_, N> {
+    /// For operations that read registers alone.
+    pub fn none() -> Self {
+        Sources {
+            parameters: &[],
+            coefficients: &[],
+            states: &[],
+            modes: &[],
+            time: N::constant(0.0),
+            tables: &[],
+            delayed: &[],
+        }
+    }
+}
+
 impl Op {
     /// The operation's value; a tear has none of its own and must be solved by the caller.
     #[inline(always)]

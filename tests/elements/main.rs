@@ -14,6 +14,7 @@ mod diode_upper_of;
 mod integrator;
 mod key_switch;
 mod multiplier;
+mod open_amplifier;
 mod pot;
 mod ramp;
 mod relay;

@@ -1,0 +1,37 @@
+//! Amplifier without feedback of its own: what is patched back to it decides what it computes.
+
+use crate::machines::Part;
+use crate::program::{Lowering, Register};
+
+use super::{Input, Kind, Measure, Output, Setting, Takes};
+
+pub(super) static KIND: Kind = Kind {
+    name: "open-amplifier",
+    summary: "high-gain amplifier without feedback of its own: divides, takes roots and inverts functions through \
+              what is patched from its output back to its inputs",
+    law: "out = -amplification x (sum of gain x input): with feedback that inverts once in all, out is where the sum \
+          is -out / amplification, nearly 0",
+    overload: "stops at ±100 V; the lamp lights when more is asked for, as where there is no such voltage (a divisor \
+               of 0, the root of a negative number)",
+    source: "operational amplifier with its own feedback resistor pulled out; division: out = -100 V x n / d from \
+             inputs n and out x d / 100 V",
+    symbol: "open-amplifier",
+    inputs: &[Input::gains("x", "summing inputs, the gain in the name; one of them carries the feedback")],
+    settings: &[Setting::preset(
+        "amplification",
+        Measure::Ratio,
+        1e6,
+        "gain of the amplifier itself: chopper-stabilised valve amplifiers had 1e5 ... 1e8 for slow signals",
+    )
+    .within(1e2, 1e9)],
+    parts: &[Takes::always(Part::Summer, 1)],
+    output: Output::OpenAmplifier,
+    output_law,
+    ..Kind::AMPLIFIER
+};
+
+fn output_law(lowering: &mut Lowering<'_>) -> Register {
+    let (sum, amplification) = (lowering.sum("x"), lowering.get("amplification"));
+    let amplified = lowering.multiply(amplification, sum);
+    lowering.negate(amplified)
+}
