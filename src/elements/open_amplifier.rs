@@ -7,10 +7,9 @@ use super::{Input, Kind, Measure, Output, Setting, Takes};
 
 pub(super) static KIND: Kind = Kind {
     name: "open-amplifier",
-    summary: "high-gain amplifier without feedback of its own: divides, takes roots and inverts functions through \
-              what is patched from its output back to its inputs",
-    law: "out = -amplification x (sum of gain x input): with feedback that inverts once in all, out is where the sum \
-          is -out / amplification, nearly 0",
+    summary: "amplifier without feedback of its own: divides, takes roots, inverts functions by what is patched back to it",
+    law: "out = -amplification x (sum of gain x input); with something that rises with out plugged back into it, \
+          out is where the sum is -out / amplification: nearly 0",
     overload: "stops at ±100 V; the lamp lights when more is asked for, as where there is no such voltage (a divisor \
                of 0, the root of a negative number)",
     source: "operational amplifier with its own feedback resistor pulled out; division: out = -100 V x n / d from \
