@@ -26,6 +26,17 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     }
 }
 
+/// Writes a file whole where nothing stands yet.
+///
+/// # Errors
+/// [`ErrorKind::AlreadyExists`] when something stands there, a link to nowhere among it; else when the file
+/// system refuses.
+pub fn write_new(path: &Path, bytes: &[u8]) -> Result<()> {
+    check_folder(path)?;
+    written_beside(folder_of(path), bytes, None)?.persist_noclobber(path)?;
+    Ok(())
+}
+
 /// Looks whether a file could be written, as far as that can be told before it is.
 ///
 /// # Errors
@@ -104,16 +115,24 @@ fn is_read_only(there: &fs::Metadata) -> bool {
 }
 
 fn replace(target: &Path, bytes: &[u8], permissions: Option<fs::Permissions>) -> Result<()> {
+    written_beside(folder_of(target), bytes, permissions)?.persist(target)?;
+    Ok(())
+}
+
+fn written_beside(
+    folder: &Path,
+    bytes: &[u8],
+    permissions: Option<fs::Permissions>,
+) -> Result<tempfile::NamedTempFile> {
     // The kind only: the message names the temporary file, which means nothing to anybody.
-    let beside = open_beside(folder_of(target)).map_err(|error| Error::from(error.kind()))?;
+    let beside = open_beside(folder).map_err(|error| Error::from(error.kind()))?;
     let mut file: &File = beside.as_file();
     file.write_all(bytes)?;
     if let Some(permissions) = permissions {
         file.set_permissions(permissions)?;
     }
     file.sync_all()?;
-    beside.persist(target)?;
-    Ok(())
+    Ok(beside)
 }
 
 /// A temporary file with the mode that any new file gets here.
@@ -143,6 +162,17 @@ mod tests {
         fs::create_dir(&path).unwrap();
         assert!(write_whole(&path, b"x").is_err());
         assert_eq!(names(folder.path()), 1);
+    }
+
+    #[test]
+    fn a_new_file_takes_no_ones_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new");
+        write_new(&path, b"first").unwrap();
+        assert_eq!(write_new(&path, b"second").unwrap_err().kind(), ErrorKind::AlreadyExists);
+        assert_eq!((names(folder.path()), fs::read(&path).unwrap()), (1, b"first".to_vec()));
+        assert_eq!(write_new(folder.path(), b"x").unwrap_err().kind(), ErrorKind::AlreadyExists);
+        assert!(write_new(Path::new(""), b"x").is_err());
     }
 
     #[test]

@@ -87,9 +87,7 @@ impl Files {
     /// Makes the folder, and tells before the run what cannot be written to.
     pub fn prepare(&self) -> Result<(), Failure> {
         if let Some(folder) = &self.folder {
-            fs::create_dir_all(folder).map_err(|error| {
-                Failure::data(format!("cannot make the folder {}: {error}", folder.display()))
-            })?;
+            make_folder(folder)?;
         }
         for path in self.paths() {
             check_writable(path).map_err(|error| unwritable(path, &error))?;
@@ -133,11 +131,19 @@ fn place(path: &Path) -> Result<PathBuf, Failure> {
     destination(path).map_err(|error| Failure::usage(format!("\"{}\" is no file: {error}", path.display())))
 }
 
-fn put(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+/// Makes a folder, and those that it lies in.
+pub(super) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    let unmade = |error| Failure::data(format!("cannot make the folder {}: {error}", folder.display()));
+    fs::create_dir_all(folder).map_err(unmade)
+}
+
+/// Writes a file whole, or tells that it could not be.
+pub(super) fn put(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_whole(path, bytes).map_err(|error| unwritable(path, &error))
 }
 
-fn unwritable(path: &Path, error: &io::Error) -> Failure {
+/// That a file could not be written.
+pub(super) fn unwritable(path: &Path, error: &io::Error) -> Failure {
     Failure::data(format!("cannot write {}: {error}", path.display()))
 }
 

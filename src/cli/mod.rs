@@ -1,11 +1,14 @@
 //! The command line: reads options, calls the library, prints what comes back.
 
 mod check;
+mod completions;
 mod elements;
 mod failure;
 mod files;
 mod load;
 mod machines;
+mod man;
+mod new;
 mod progress;
 mod run;
 mod table;
@@ -13,12 +16,14 @@ mod table;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 use serde_json::Value;
 
 use failure::Failure;
 
-/// A virtual analogue computer: patches in JSON, run in volts, read with the instruments of the period.
+/// A virtual analogue computer: patches in JSON, run in volts, read with the instruments of the period
+///
+/// Exit codes: 0 done, 1 the patch or the data is wrong, 2 the command line is wrong.
 #[derive(Parser)]
 #[command(name = "patchcord", version, arg_required_else_help = true)]
 struct Arguments {
@@ -28,6 +33,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Write a first patch, with notes, to change into your own
+    New(new::Arguments),
     /// Check a patch: everything that is wrong with it, all at once
     Check(check::Arguments),
     /// Run a patch: readings, a table, scope pictures
@@ -36,6 +43,15 @@ enum Command {
     Elements(elements::Arguments),
     /// List the machines that patches can be made for
     Machines(machines::Arguments),
+    /// Print what a shell needs to complete commands and options
+    Completions(completions::Arguments),
+    /// Print the manual page, or write those of all commands
+    Man(man::Arguments),
+}
+
+/// The definition of every command and option.
+fn definition() -> clap::Command {
+    Arguments::command()
 }
 
 /// Runs the command line of this process. Exit codes: 0 done, 1 the patch or the data is wrong, 2 the command
@@ -53,10 +69,13 @@ pub fn main() -> ExitCode {
 
 fn carry_out(command: &Command) -> Result<(), Failure> {
     match command {
+        Command::New(arguments) => new::new(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Run(arguments) => run::run(arguments),
         Command::Elements(arguments) => elements::elements(arguments),
         Command::Machines(arguments) => machines::machines(arguments),
+        Command::Completions(arguments) => completions::completions(arguments),
+        Command::Man(arguments) => man::man(arguments),
     }
 }
 

@@ -1,5 +1,9 @@
 //! The command line as a user meets it: what it prints, what it writes, how it ends.
 
+mod completions;
+mod man;
+mod new;
+
 use std::fs;
 use std::path::Path;
 use std::process::Output;
@@ -138,6 +142,10 @@ fn a_wrong_command_line_ends_with_2() {
         &["run"],
         &["replay-all"],
         &["elements", "sumer"],
+        &["new", "Cargo.toml"],
+        &["new", FIG_8_16],
+        &["completions", "tcsh"],
+        &["man", "rum"],
     ];
     for arguments in wrong {
         let ran = patchcord(arguments);

@@ -1,0 +1,62 @@
+//! `patchcord man`
+
+use std::io;
+use std::path::PathBuf;
+
+use clap::{Args, Command};
+use clap_mangen::Man;
+
+use super::failure::Failure;
+use super::files::{make_folder, put};
+use super::{definition, say, write_out};
+use patchcord::patch::suggestion;
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    /// Print the page of this command instead of patchcord's own
+    command: Option<String>,
+    /// Write every page into this folder, such as ~/.local/share/man/man1
+    #[arg(long, value_name = "DIR", conflicts_with = "command")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn man(arguments: &Arguments) -> Result<(), Failure> {
+    // The built-in "help" command says nothing that the pages do not.
+    let mut patchcord = definition().disable_help_subcommand(true);
+    patchcord.build();
+    match (&arguments.out, &arguments.command) {
+        (Some(folder), _) => write_pages(&patchcord, folder),
+        (None, Some(name)) => write_out(&text(page(find(&patchcord, name)?))?),
+        (None, None) => write_out(&text(page(&patchcord))?),
+    }
+}
+
+fn find<'a>(patchcord: &'a Command, name: &str) -> Result<&'a Command, Failure> {
+    patchcord.find_subcommand(name).ok_or_else(|| {
+        let known: Vec<_> = patchcord.get_subcommands().map(Command::get_name).collect();
+        let hint = suggestion(name, &known).unwrap_or_default();
+        Failure::usage(format!("there is no command \"{name}\"; {hint}"))
+    })
+}
+
+fn page(command: &Command) -> Man {
+    let source = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
+    Man::new(command.clone()).source(source).manual("patchcord manual")
+}
+
+fn text(page: Man) -> Result<String, Failure> {
+    let mut bytes = Vec::new();
+    page.render(&mut bytes).map_err(|error: io::Error| Failure::data(error.to_string()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+fn write_pages(patchcord: &Command, folder: &std::path::Path) -> Result<(), Failure> {
+    make_folder(folder)?;
+    for command in std::iter::once(patchcord).chain(patchcord.get_subcommands()) {
+        let page = page(command);
+        let path = folder.join(page.get_filename());
+        put(&path, text(page)?.as_bytes())?;
+        say(&format!("wrote {}\n", path.display()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,36 @@
+//! What shells are given to complete commands and options.
+
+use super::{code, errors, out, patchcord};
+
+#[test]
+fn every_shell_gets_every_command_and_option() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = out(&patchcord(&["completions", shell]));
+        for word in ["check", "run", "elements", "machines", "new", "hold-on-overload", "voltages"] {
+            assert!(script.contains(word), "{shell} is told nothing of {word}");
+        }
+    }
+}
+
+/// What bash offers for the last of some words.
+#[cfg(unix)]
+fn offered(words: &str) -> Vec<String> {
+    let script = out(&patchcord(&["completions", "bash"]));
+    let count = words.split_whitespace().count();
+    let asks = format!(
+        "{script}\nCOMP_WORDS=({words}); COMP_CWORD={}\n_patchcord patchcord \"${{COMP_WORDS[-1]}}\"\n\
+         printf '%s\\n' \"${{COMPREPLY[@]}}\"\n",
+        count - 1
+    );
+    let bash = assert_cmd::Command::new("bash").args(["--norc", "-s"]).write_stdin(asks).output().unwrap();
+    assert_eq!((code(&bash), errors(&bash).as_str()), (0, ""));
+    out(&bash).lines().map(str::to_owned).collect()
+}
+
+#[cfg(unix)]
+#[test]
+fn bash_completes() {
+    assert_eq!(offered("patchcord che"), ["check"]);
+    assert_eq!(offered("patchcord run --hold"), ["--hold-on-overload"]);
+    assert_eq!(offered("patchcord completions f"), ["fish"]);
+}
