@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use super::names::{found_or_told, sorted};
 use super::scope::Quantities;
 use super::{Circuit, Cord, Element, inventory, loops, names, settings, signals};
-use crate::elements::{Input, Jacks, Kind, Output, REFERENCE, REFERENCES, gain_of};
+use crate::elements::{Input, Jacks, Kind, REFERENCE, REFERENCES, Transfer, gain_of};
 use crate::machines::{self, Machine};
 use crate::patch::{
     Amount, Code, Diagnostic, Entry, Formula, Patch, Placed, Plug, Report, Span, any_error, suggestion,
@@ -248,7 +248,7 @@ fn jack_names(name: &str, jacks: Jacks) -> String {
 }
 
 fn gains(machine: &Machine, kind: &Kind) -> &'static [f64] {
-    if kind.output == Output::Integrator { machine.integrator_gains } else { machine.summer_gains }
+    if kind.transfer == Transfer::Integrating { machine.integrator_gains } else { machine.summer_gains }
 }
 
 /// Warns of elements whose output nothing reads, records or draws.

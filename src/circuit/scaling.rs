@@ -4,8 +4,8 @@ use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 
-use super::{Circuit, Cord, SignalPoint};
-use crate::elements::{Default, Jacks, Measure, Output};
+use super::{Circuit, Cord, Element, SignalPoint};
+use crate::elements::{Default, Measure, Transfer};
 use crate::patch::{Amount, Dimension, Scope as _};
 
 /// A stretch of wiring between two scaled signals, held against eq. 4-8.
@@ -182,22 +182,21 @@ fn sources(circuit: &Circuit, element: usize) -> Vec<Source> {
 fn linear_gain(circuit: &Circuit, element: usize, cord: Cord) -> Option<(f64, bool)> {
     let element = circuit.element(element);
     let main = cord.input == 0;
-    let gains = element.kind.inputs[0].jacks == Jacks::Gains;
     let limited = element.settings.iter().zip(element.kind.settings).any(|(value, row)| {
         value.is_some() && row.measure == Measure::Volts && row.default == Default::Absent
     });
-    let fraction = element.kind.settings.iter().position(|row| row.measure == Measure::Fraction);
-    match (element.kind.output, fraction) {
-        (Output::Integrator, _) if main => Some((-cord.gain, true)),
-        (Output::Amplifier, _) if main && gains && !limited => Some((-cord.gain, false)),
-        (Output::Passive, Some(setting)) if element.kind.inputs.len() == 1 => {
-            let Amount::Formula(formula) = &element.settings.get(setting)?.as_ref()?.value else {
-                return None;
-            };
-            Some((formula.evaluate(circuit.quantities()).ok()?, false))
-        }
+    match element.kind.transfer {
+        Transfer::Integrating if main => Some((-cord.gain, true)),
+        Transfer::Inverting if main && !limited => Some((-cord.gain, false)),
+        Transfer::Share => Some((share(circuit, element)?, false)),
         _ => None,
     }
+}
+
+fn share(circuit: &Circuit, element: &Element) -> Option<f64> {
+    let setting = element.kind.settings.iter().position(|row| row.measure == Measure::Fraction)?;
+    let Amount::Formula(formula) = &element.settings[setting].as_ref()?.value else { return None };
+    formula.evaluate(circuit.quantities()).ok()
 }
 
 fn row(circuit: &Circuit, output: &SignalPoint, stretch: &Stretch<'_>) -> Option<ScalingRow> {
@@ -346,6 +345,17 @@ mod tests {
         assert_eq!(row.block.as_deref(), Some("1"));
         assert!((row.difference().unwrap() + 0.9).abs() < 1e-9, "{row:?}");
     }
+
+    #[test]
+    fn an_inverter_is_linear_and_a_curve_is_not() {
+        for (kind, gains) in [("inverter", vec![-1.0]), ("absolute", vec![]), ("sin", vec![])] {
+            let step = ElementBuilder::new("step").set("height", 1);
+            let builder = PatchBuilder::new("curve").scale("volt", 1.0, "V").drive("D", "volt", step);
+            let builder = builder.element("E", ElementBuilder::new(kind).cord("in", "D"));
+            assert_eq!(gains_at(builder.signal("in", "D", "volt", 1.0), "E"), gains, "{kind}");
+        }
+    }
+
     fn summer(from: &[String]) -> ElementBuilder {
         ElementBuilder::new("summer").set("in", serde_json::json!({ "x1": from }))
     }

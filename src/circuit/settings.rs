@@ -5,7 +5,7 @@ use petgraph::graph::NodeIndex;
 
 use super::resolve::Graph;
 use super::scope::{Quantities, too_large};
-use crate::elements::{Family, Kind, Measure, Output, REFERENCES, Setting};
+use crate::elements::{Measure, REFERENCES, Setting, Transfer};
 use crate::patch::{Amount, Code, Diagnostic, Dimension, Entry, Formula, Patch, Placed, Unit, told};
 
 /// Whether every cord is where the patch wants it.
@@ -42,22 +42,18 @@ fn before_integrators(graph: &Graph, cords: Cords) -> Vec<bool> {
         |index: &NodeIndex| cords == Cords::Doubtful && graph.neighbors(*index).next().is_none();
     let mut open: Vec<_> = graph.node_indices().filter(may_feed_one).collect();
     open.iter().for_each(|index| before[index.index()] = true);
-    open.retain(|index| is_pot(graph[*index].kind));
-    open.extend(graph.node_indices().filter(|index| graph[*index].kind.output == Output::Integrator));
+    open.retain(|index| graph[*index].kind.transfer == Transfer::Share);
+    open.extend(graph.node_indices().filter(|index| graph[*index].kind.transfer == Transfer::Integrating));
     while let Some(index) = open.pop() {
         for driver in graph.neighbors_directed(index, Direction::Incoming) {
-            if !std::mem::replace(&mut before[driver.index()], true) && is_pot(graph[driver].kind) {
+            if !std::mem::replace(&mut before[driver.index()], true)
+                && graph[driver].kind.transfer == Transfer::Share
+            {
                 open.push(driver);
             }
         }
     }
     before
-}
-
-fn is_pot(kind: &Kind) -> bool {
-    kind.family == Family::Computing
-        && kind.settings.len() == 1
-        && kind.settings[0].measure == Measure::Fraction
 }
 
 struct Checker<'a> {

@@ -3,7 +3,7 @@
 use crate::machines::{Part, REFERENCE};
 use crate::program::{Guard, Lowering, ModeHandle, Register, Transition};
 
-use super::{Input, Jacks, Kind, Measure, Output, Setting, Takes};
+use super::{Input, Jacks, Kind, Measure, Output, Setting, Takes, Transfer};
 
 pub(super) static KIND: Kind = Kind {
     name: "integrator",
@@ -43,6 +43,7 @@ pub(super) static KIND: Kind = Kind {
         Takes::with("gap", Part::Rebound, 1),
     ],
     output: Output::Integrator,
+    transfer: Transfer::Integrating,
     output_law,
     memory_law: Some(memory_law),
     ..Kind::NETWORK

@@ -33,6 +33,8 @@ pub struct Kind {
     pub parts: &'static [Takes],
     /// Whether its output is an amplifier's: stops at ±100 V and lights a lamp.
     pub output: Output,
+    /// How the output follows the main input.
+    pub transfer: Transfer,
     /// Emits the operations of its output, reading inputs that are `direct` only.
     pub output_law: fn(&mut Lowering<'_>) -> Register,
     /// Emits what its memory needs (rates, guards, histories), reading any input.
@@ -84,6 +86,20 @@ pub enum Output {
     Integrator,
     /// A network without an amplifier: as high as what drives it.
     Passive,
+}
+
+/// How an output follows the main input: what gains measure, whether a pot in front may be a rate, and what the
+/// audit of amplitude scaling can follow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Transfer {
+    /// Minus the gain of the jack.
+    Inverting,
+    /// Minus the gain of the jack, integrated: gains are per machine second.
+    Integrating,
+    /// The share that its setting says.
+    Share,
+    /// Otherwise: the audit does not follow it.
+    Other,
 }
 
 /// An input of an element.
@@ -147,6 +163,8 @@ pub enum Measure {
     Hertz,
     /// An angle in radians (drives).
     Radians,
+    /// An angle in radians for a volt of the machine.
+    RadiansPerVolt,
     /// The unit of the drive's scale.
     Signal,
     /// The unit of the drive's scale per problem second.
@@ -231,6 +249,7 @@ impl Kind {
         ordered: &[],
         parts: &[],
         output: Output::Passive,
+        transfer: Transfer::Other,
         output_law: |lowering| lowering.constant(0.0),
         memory_law: None,
     };
@@ -325,6 +344,7 @@ impl Setting {
             Measure::Seconds => "s",
             Measure::Hertz => "Hz",
             Measure::Radians => "rad",
+            Measure::RadiansPerVolt => "rad/V",
             Measure::Signal => "unit of the scale",
             Measure::SignalRate => "unit of the scale per s",
             Measure::Flag => "true or false",

@@ -4,13 +4,20 @@
 //! inputs and settings, the schema and the reference page are written from it, every backend runs the
 //! operations that its laws emit.
 
+mod absolute;
+mod cos;
+mod dead_zone;
 mod delay;
 mod diode_dead_zone;
 mod diode_lower_of;
 mod diode_upper_of;
+mod exp;
+mod free_pot;
 mod integrator;
+mod inverter;
 mod key_switch;
 mod kind;
+mod log;
 mod multiplier;
 mod open_amplifier;
 mod page;
@@ -18,6 +25,7 @@ mod pot;
 mod ramp;
 mod reference;
 mod relay;
+mod sin;
 mod sine;
 mod soft_limit;
 mod step;
@@ -26,20 +34,28 @@ mod table;
 mod triangle;
 
 pub(crate) use kind::gain_of;
-pub use kind::{Default, Family, Input, Jacks, Kind, Measure, Output, Setting, Takes};
+pub use kind::{Default, Family, Input, Jacks, Kind, Measure, Output, Setting, Takes, Transfer};
 pub use page::{Page, reference_page};
 pub(crate) use reference::{REFERENCE, REFERENCES};
 
 /// Every kind of element and drive, in the order of listings.
 pub static REGISTRY: &[&Kind] = &[
     &summer::KIND,
+    &inverter::KIND,
     &open_amplifier::KIND,
     &integrator::KIND,
     &pot::KIND,
+    &free_pot::KIND,
+    &absolute::KIND,
+    &dead_zone::KIND,
     &diode_dead_zone::KIND,
     &diode_lower_of::KIND,
     &diode_upper_of::KIND,
     &multiplier::KIND,
+    &sin::KIND,
+    &cos::KIND,
+    &log::KIND,
+    &exp::KIND,
     &relay::KIND,
     &key_switch::KIND,
     &delay::KIND,

@@ -138,6 +138,7 @@ impl Setting {
             (Default::Required, _) => "must be given".to_owned(),
             (Default::Absent, _) => "none".to_owned(),
             (Default::Number(number), Measure::Flag) => (number != 0.0).to_string(),
+            (Default::Number(index), Measure::Choice(words)) => words[index as usize].to_owned(),
             (Default::Number(number), _) => number.to_string(),
         }
     }

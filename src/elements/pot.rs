@@ -3,7 +3,7 @@
 use crate::machines::Part;
 use crate::program::{Lowering, Register};
 
-use super::{Input, Kind, Measure, Setting, Takes};
+use super::{Input, Kind, Measure, Setting, Takes, Transfer};
 
 pub(super) static KIND: Kind = Kind {
     name: "pot",
@@ -19,6 +19,7 @@ pub(super) static KIND: Kind = Kind {
         "position of the wiper, 0 at ground, loading taken out",
     )],
     parts: &[Takes::always(Part::FixedPot, 1)],
+    transfer: Transfer::Share,
     output_law,
     ..Kind::NETWORK
 };

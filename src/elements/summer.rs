@@ -4,7 +4,7 @@ use crate::machines::Part;
 use crate::program::{Lowering, Register};
 
 use super::soft_limit::{self, LIMIT_SETTINGS};
-use super::{Input, Kind, Takes};
+use super::{Input, Kind, Takes, Transfer};
 
 pub(super) static KIND: Kind = Kind {
     name: "summer",
@@ -21,6 +21,7 @@ pub(super) static KIND: Kind = Kind {
         Takes::with("limit.upper", Part::FreePot, 1),
         Takes::with("limit.lower", Part::FreePot, 1),
     ],
+    transfer: Transfer::Inverting,
     output_law,
     ..Kind::AMPLIFIER
 };

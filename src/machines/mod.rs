@@ -18,6 +18,8 @@ pub enum Part {
     DiodePair,
     /// A quarter-squares multiplier.
     Multiplier,
+    /// A function generator, fixed or set by hand, with its output amplifier.
+    FunctionGenerator,
     /// A comparator with its relay.
     Relay,
     /// A delay line.
@@ -37,6 +39,7 @@ impl Part {
         Part::FreePot,
         Part::DiodePair,
         Part::Multiplier,
+        Part::FunctionGenerator,
         Part::Relay,
         Part::DelayLine,
         Part::Rebound,
@@ -52,6 +55,7 @@ impl Part {
             Part::FreePot => "free_pots",
             Part::DiodePair => "diode_pairs",
             Part::Multiplier => "multipliers",
+            Part::FunctionGenerator => "function_generators",
             Part::Relay => "relays",
             Part::DelayLine => "delay_lines",
             Part::Rebound => "rebounds",
@@ -121,7 +125,7 @@ mod tests {
     fn the_1451_is_the_one_of_the_text() {
         let machine = find("solartron-1451").unwrap();
         let counts = Part::ALL.iter().map(|part| machine.count(*part));
-        let expected = [16, 8, 12, 6, 4, 2, 0, 0, 0, 0].map(Some);
+        let expected = [16, 8, 12, 6, 4, 2, 0, 0, 0, 0, 0].map(Some);
         assert!(counts.eq(expected));
     }
 

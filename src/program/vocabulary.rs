@@ -147,6 +147,11 @@ impl Lowering<'_> {
         self.emit(Op::Multiply(a, b))
     }
 
+    /// a divided by b.
+    pub fn divide(&mut self, a: Register, b: Register) -> Register {
+        self.emit(Op::Divide(a, b))
+    }
+
     /// The lower of two.
     pub fn minimum(&mut self, a: Register, b: Register) -> Register {
         self.emit(Op::Minimum(a, b))
@@ -176,6 +181,11 @@ impl Lowering<'_> {
     /// A function of one number.
     pub fn call(&mut self, function: Function, a: Register) -> Register {
         self.emit(Op::Call(function, a, a))
+    }
+
+    /// A base to the power of an exponent.
+    pub fn power(&mut self, base: Register, exponent: Register) -> Register {
+        self.emit(Op::Call(Function::Power, base, exponent))
     }
 
     /// The whole number at or below.

@@ -5,8 +5,9 @@ use std::ops::Range;
 use patchcord::patch::{ElementBuilder, PatchBuilder};
 use patchcord::program::Program;
 use patchcord::solve::{Machine, MachineMode};
+use serde_json::json;
 
-use crate::common::{built, check_derivatives, element, ran, voltage, volts};
+use crate::common::{self, built, check_derivatives, element, ran, voltage, volts};
 
 /// Every voltage that an output can have.
 pub const ANY: Range<f64> = -100.0..100.0;
@@ -27,9 +28,11 @@ fn drives(names: &[&str]) -> PatchBuilder {
     })
 }
 
-/// An element on the bench.
+/// An element on the bench. Diode pairs called high and low give 10 V more and less than a: up to 110 V.
 pub fn bench(element: ElementBuilder) -> Program {
-    built(drives(&DRIVES).element("E", element))
+    let pair = |kind| common::element(kind).set("in", json!(["a", "a"])).set("drop", 10);
+    let builder = drives(&DRIVES).element("high", pair("diode-lower-of"));
+    built(builder.element("low", pair("diode-upper-of")).element("E", element))
 }
 
 /// A drive on the bench, in volts.

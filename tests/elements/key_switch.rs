@@ -17,7 +17,7 @@ proptest! {
 
 #[test]
 fn overload() {
-    has_no_lamp(element("key-switch").cord("in", "a"), &[100.0], 100.0);
+    has_no_lamp(element("key-switch").cord("in", "high"), &[100.0], 110.0);
 }
 
 #[test]

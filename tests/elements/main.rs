@@ -7,17 +7,25 @@ mod bench;
 #[path = "../common/mod.rs"]
 mod common;
 
+mod absolute;
+mod cos;
+mod dead_zone;
 mod delay;
 mod diode_dead_zone;
 mod diode_lower_of;
 mod diode_upper_of;
+mod exp;
+mod free_pot;
 mod integrator;
+mod inverter;
 mod key_switch;
+mod log;
 mod multiplier;
 mod open_amplifier;
 mod pot;
 mod ramp;
 mod relay;
+mod sin;
 mod sine;
 mod step;
 mod summer;

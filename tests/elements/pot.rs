@@ -18,7 +18,7 @@ proptest! {
 
 #[test]
 fn overload() {
-    has_no_lamp(element("pot").cord("in", "a").set("setting", 1), &[-100.0], -100.0);
+    has_no_lamp(element("pot").cord("in", "low").set("setting", 1), &[-100.0], -110.0);
 }
 
 #[test]

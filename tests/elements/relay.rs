@@ -25,7 +25,7 @@ proptest! {
 
 #[test]
 fn overload() {
-    has_no_lamp(relay(5.0, -5.0), &[100.0, 100.0, -100.0], 100.0);
+    has_no_lamp(relay(5.0, -5.0).cord("on", "high"), &[100.0], 110.0);
 }
 
 #[test]
