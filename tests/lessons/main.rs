@@ -1,0 +1,15 @@
+//! The lessons of patches/lessons against closed solutions, and against numbers that others worked out.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bench;
+mod bouncing_ball;
+mod driven_oscillator;
+mod every_lesson;
+mod lorenz;
+mod mass_and_spring;
+mod mathieu;
+mod predator_and_prey;
+mod two_phase_oscillator;
+mod van_der_pol;
