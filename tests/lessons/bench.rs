@@ -41,8 +41,8 @@ pub fn values(trace: &Trace, signal: &str) -> Vec<f64> {
 
 /// Runs on until a reading rises through 0, leaves the machine there, and tells the time.
 pub fn next_rise<'p>(machine: &mut Machine<'p>, reading: impl Fn(&Machine<'p>) -> f64) -> f64 {
-    let stretch = 10.0 * machine.step();
-    for _ in 0..100_000 {
+    let stretch = machine.step();
+    for _ in 0..1_000_000 {
         let before = machine.clone();
         machine.operate(stretch).unwrap_or_else(|error| panic!("{error}"));
         if reading(&before) < 0.0 && reading(machine) >= 0.0 {

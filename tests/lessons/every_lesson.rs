@@ -16,7 +16,7 @@ fn stems() -> Vec<String> {
     let mut stems: Vec<String> =
         files.map(|file| file.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
     stems.sort();
-    assert!(stems.len() >= 8, "{stems:?}");
+    assert!(stems.len() >= 12, "{stems:?}");
     stems
 }
 
