@@ -51,6 +51,7 @@ fn steps_allocate_nothing() {
         ("stick-slip-brake", program(&patch("stick-slip-brake"), &[]), 1e-3),
         ("relay-oscillator", program(&patch("relay-oscillator"), &[]), 1e-2),
         ("integrator-limit", program(&patch("integrator-limit"), &[]), 1e-2),
+        ("memory", program(&patch("memory"), &[]), 1e-3),
     ];
     for (name, program, step) in &cases {
         let (thousand, two_thousand, many) = (

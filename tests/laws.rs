@@ -103,7 +103,7 @@ fn trace(patch: &Patch, change: impl Fn(RunSettings) -> RunSettings) -> Trace {
     solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap()
 }
 
-const PATCHES: [&str; 7] = [
+const PATCHES: [&str; 8] = [
     "bouncing-ball",
     "stick-slip-brake",
     "relay-oscillator",
@@ -111,6 +111,7 @@ const PATCHES: [&str; 7] = [
     "integrator-limit",
     "summer-loop",
     "loop-lag",
+    "memory",
 ];
 
 #[test]

@@ -1,10 +1,14 @@
-//! An integrator at its limit.
+//! An integrator at its limit: the amplifier's own, or that of diodes across it.
 
 mod common;
 
 use std::f64::consts::TAU;
 
 use common::{built, check_derivatives, check_derivatives_but, element, patch, program, ran, voltage, volts};
+use patchcord::patch::{Code, PatchBuilder};
+use patchcord::program::Program;
+use patchcord::solve::RunError;
+use serde_json::json;
 
 #[test]
 fn it_stops_at_minus_100_volts_and_comes_back_at_once() {
@@ -86,4 +90,126 @@ fn a_weak_push_lights_the_lamp_whatever_the_step() {
         assert!((overloads[0].time - 0.1).abs() <= step + 2e-4, "{step} {overloads:?}");
         assert!((overloads[0].peak - 101.9).abs() < 1e-6, "{step} {overloads:?}");
     }
+}
+
+/// A parameter u (V) into an integrator between diode limits, -20 V - 0.5 V and `top` + 0.5 V.
+fn limited() -> PatchBuilder {
+    let limit = json!({"upper": "top", "lower": -20, "drop": 0.5});
+    volts("limited")
+        .parameter("u", 0.0, "V", [-100.0, 100.0])
+        .parameter("top", 30.0, "V", [0.0, 100.0])
+        .drive("u", "volt", element("step").set("height", "u"))
+        .element("A1", element("integrator").cords("x1", ["u"]).set("initial", 10).set("limit", limit))
+}
+
+/// The same with another u.
+fn driven(u: f64) -> Program {
+    program(&limited().build().unwrap(), &[("u", u)])
+}
+
+#[test]
+fn diodes_hold_an_integrator_without_a_lamp() {
+    for (u, time, volts) in [(-10.0, 1.0, 20.0), (-10.0, 5.0, 30.5), (10.0, 2.0, -10.0), (10.0, 5.0, -20.5)] {
+        let program = driven(u);
+        for step in [1e-2, 0.3] {
+            let machine = ran(&program, step, time);
+            assert!(
+                (voltage(&machine, "A1") - volts).abs() < 1e-11,
+                "{u} {time}: {}",
+                voltage(&machine, "A1")
+            );
+            assert!(!machine.is_overloaded(), "a diode limit is no overload");
+        }
+    }
+}
+
+#[test]
+fn it_leaves_a_diode_limit_at_once() {
+    let program = driven(-10.0);
+    for step in [1e-2, 0.3] {
+        let mut machine = ran(&program, step, 4.321);
+        machine.set("u", 7.0).unwrap();
+        machine.operate(1.0).unwrap();
+        assert!((voltage(&machine, "A1") - 23.5).abs() < 1e-11, "{step}");
+    }
+}
+
+/// d out / dt = -40 cos(w t): down to its lower limit and back along the sine, of order 4 whatever the step.
+#[test]
+fn a_smooth_input_takes_it_to_a_diode_limit_and_back() {
+    let cosine = element("sine").set("amplitude", 40).set("frequency", 0.05).set("phase", TAU / 4.0);
+    let integrator = element("integrator").cords("x1", ["u"]).set("limit", json!({"lower": -50}));
+    let program = built(volts("cosine").drive("u", "volt", cosine).element("A1", integrator));
+    let omega = TAU * 0.05;
+    for step in [1e-2, 0.1] {
+        assert_eq!(voltage(&ran(&program, step, 4.99), "A1"), -50.0);
+        let back = voltage(&ran(&program, step, 8.0), "A1");
+        let expected = -50.0 + 40.0 / omega * (1.0 - (omega * 8.0).sin());
+        assert!((back - expected).abs() < 1e-6 * step, "{step} {:e}", back - expected);
+    }
+}
+
+#[test]
+fn a_limit_that_is_turned_takes_the_voltage_along_or_lets_it_go() {
+    let program = driven(-10.0);
+    let mut machine = ran(&program, 1e-2, 5.0);
+    machine.set("top", 12.0).unwrap();
+    assert_eq!(voltage(&machine, "A1"), 12.5, "held there, and taken along");
+    machine.set("top", 20.0).unwrap();
+    machine.operate(0.5).unwrap();
+    assert!((voltage(&machine, "A1") - 17.5).abs() < 1e-11, "set free: {}", voltage(&machine, "A1"));
+    machine.set("top", 3.0).unwrap();
+    assert_eq!(voltage(&machine, "A1"), 3.5, "met from outside");
+}
+
+#[test]
+fn a_limit_beyond_the_amplifiers_own_is_the_amplifiers_own() {
+    let integrator =
+        element("integrator").cords("x10", ["-100"]).set("limit", json!({"upper": 98, "drop": 5}));
+    let program = built(volts("beyond").element("A1", integrator));
+    let machine = ran(&program, 1e-2, 1.0);
+    assert_eq!(voltage(&machine, "A1"), 100.0);
+    assert!((machine.overloads()[0].time - 0.1).abs() < 1e-9);
+}
+
+#[test]
+fn a_voltage_outside_its_limits_cannot_be_set_by_hand() {
+    let program = driven(0.0);
+    let mut machine = ran(&program, 1e-2, 0.0);
+    machine.set_state("A1", 30.5).unwrap();
+    let refused = machine.set_state("A1", 31.0);
+    assert!(matches!(refused, Err(RunError::OutsideRange { low: -20.5, high: 30.5, .. })), "{refused:?}");
+    assert_eq!(voltage(&machine, "A1"), 30.5);
+}
+
+#[test]
+fn an_initial_condition_outside_its_limits_is_told() {
+    let told = |initial: Option<f64>, limit: serde_json::Value| {
+        let integrator = element("integrator").cords("x1", ["+100"]).set("limit", limit);
+        let integrator =
+            initial.into_iter().fold(integrator, |integrator, volts| integrator.set("initial", volts));
+        let patch = volts("outside").element("A1", integrator).record(["A1"]).build().unwrap();
+        let circuit = patchcord::circuit::Circuit::new(&patch, &[]);
+        let findings = circuit.map_or_else(|report| report.findings, |circuit| circuit.warnings().findings);
+        let codes = findings.iter().map(|finding| finding.code).filter(|code| *code != Code::UnscaledSignal);
+        codes.collect::<Vec<_>>()
+    };
+    assert_eq!(told(Some(31.0), json!({"upper": 30})), [Code::BadNumber]);
+    assert_eq!(told(Some(-31.0), json!({"lower": -30, "upper": 30})), [Code::BadNumber]);
+    assert_eq!(told(None, json!({"lower": 10})), [Code::BadNumber], "0 V where the patch is silent");
+    assert_eq!(told(Some(30.0), json!({"lower": -30, "upper": 30})), []);
+}
+
+#[test]
+fn derivatives_agree_between_and_at_diode_limits() {
+    let sine = element("sine").set("amplitude", "u").set("frequency", 0.1).set("phase", TAU / 2.0);
+    let builder = volts("held")
+        .parameter("u", 40.0, "V", [0.0, 100.0])
+        .drive("u", "volt", sine)
+        .element("A1", element("integrator").cords("x1", ["u"]).set("limit", json!({"upper": 30})))
+        .element("A2", element("integrator").cords("x1", ["u", "A1", "A2"]));
+    let program = built(builder);
+    check_derivatives(&program, 1e-2, &[0.5, 6.0]);
+    // A1 is at its limit from 1.6 s to 5 s.
+    check_derivatives_but(&program, 1e-2, &[3.0], &["A1"]);
 }

@@ -186,7 +186,7 @@ fn linear_gain(circuit: &Circuit, element: usize, cord: Cord) -> Option<(f64, bo
         value.is_some() && row.measure == Measure::Volts && row.default == Default::Absent
     });
     match element.kind.transfer {
-        Transfer::Integrating if main => Some((-cord.gain, true)),
+        Transfer::Integrating if main && !limited => Some((-cord.gain, true)),
         Transfer::Inverting if main && !limited => Some((-cord.gain, false)),
         Transfer::Share => Some((share(circuit, element)?, false)),
         _ => None,

@@ -5,8 +5,8 @@ use petgraph::graph::NodeIndex;
 
 use super::resolve::Graph;
 use super::scope::{Quantities, too_large};
-use crate::elements::{Measure, REFERENCES, Setting, Transfer};
-use crate::patch::{Amount, Code, Diagnostic, Dimension, Entry, Formula, Patch, Placed, Unit, told};
+use crate::elements::{Default, Measure, REFERENCES, Setting, Transfer};
+use crate::patch::{Amount, Code, Diagnostic, Dimension, Entry, Formula, Patch, Placed, Span, Unit, told};
 
 /// Whether every cord is where the patch wants it.
 #[derive(Clone, Copy, PartialEq)]
@@ -81,6 +81,7 @@ impl Checker<'_> {
             }
         }
         self.order(&values, findings);
+        self.bounds(&values, findings);
     }
 
     /// A quantity of which one volt is nothing can be read, as 0, but not driven.
@@ -228,13 +229,46 @@ impl Checker<'_> {
                 let [low, high] = [low, high].map(told);
                 let message =
                     format!("{lower} of {} is {low}, which is not below {upper}, {high}", self.name);
-                let place =
-                    self.entry.kind.setting(lower).and_then(|index| self.entry.settings[index].as_ref());
-                let span = place.map_or(self.entry.span, |placed| placed.span);
                 let hint = "exchange the two, or move one of them";
+                findings.push(Diagnostic::at(Code::BadNumber, self.place(lower), message).hint(hint));
+            }
+        }
+    }
+
+    /// Some settings must lie between others, as far as these are set.
+    fn bounds(&self, values: &[Option<f64>], findings: &mut Vec<Diagnostic>) {
+        let value = |name: &str| self.value(values, name);
+        for (lower, between, upper) in self.entry.kind.bounded {
+            let Some(inner) = value(between) else { continue };
+            let below = value(lower).filter(|low| inner < *low).map(|low| (lower, "below", low));
+            let above = value(upper).filter(|high| inner > *high).map(|high| (upper, "above", high));
+            for (bound, side, limit) in below.into_iter().chain(above) {
+                let [inner, limit] = [inner, limit].map(told);
+                let message = format!("{between} of {} is {inner}, {side} {bound}, {limit}", self.name);
+                let span = if self.is_set(between) { self.place(between) } else { self.place(bound) };
+                let hint = format!("set \"{between}\" inside the limits, or move the limit");
                 findings.push(Diagnostic::at(Code::BadNumber, span, message).hint(hint));
             }
         }
+    }
+
+    /// A setting's value, its default where the patch is silent.
+    fn value(&self, values: &[Option<f64>], name: &str) -> Option<f64> {
+        let index = self.entry.kind.setting(name)?;
+        match (&self.entry.settings[index], self.entry.kind.settings[index].default) {
+            (None, Default::Number(number)) => Some(number),
+            _ => values[index],
+        }
+    }
+
+    fn is_set(&self, name: &str) -> bool {
+        self.entry.kind.setting(name).is_some_and(|index| self.entry.settings[index].is_some())
+    }
+
+    /// Where a setting stands, or else its element.
+    fn place(&self, name: &str) -> Span {
+        let placed = self.entry.kind.setting(name).and_then(|index| self.entry.settings[index].as_ref());
+        placed.map_or(self.entry.span, |placed| placed.span)
     }
 }
 

@@ -1,19 +1,21 @@
-//! Integrating amplifier, with an optional brake and optional rebound stops.
+//! Integrating amplifier, with or without diode limits, a brake and rebound stops.
 
 use crate::machines::{Part, REFERENCE};
 use crate::program::{Guard, Lowering, ModeHandle, Register, Transition};
 
-use super::{Input, Jacks, Kind, Measure, Output, Setting, Takes, Transfer};
+use super::{Input, Jacks, Kind, Measure, Output, Setting, Takes, Transfer, soft_limit};
 
 pub(super) static KIND: Kind = Kind {
     name: "integrator",
     summary: "integrating amplifier: integrates its inputs over machine time, each times its gain, and inverts",
     law: "d out / dt = -(sum of gain x input); with a brake: at out = 0 and |sum| <= brake it stands still, \
           otherwise brake x sign(out) is subtracted from d out / dt; with a gap: when the lowest gap closes \
-          (falls to 0), out becomes -restitution x out",
-    overload: "stops at ±100 V and leaves at once when its input turns; the lamp lights when more is asked for",
+          (falls to 0), out becomes -restitution x out; with a limit: out stands there (the drop beyond it) while \
+          d out / dt points outward",
+    overload: "stops at ±100 V and leaves at once when its input turns; the lamp lights when more is asked for, and \
+               stays dark at a diode limit",
     modes: "stands at initial in initial condition; keeps its output in hold",
-    source: "thesis 8.1; brake: Coulomb friction as a force that knows the net force",
+    source: "thesis 8.1; limits: diodes across the amplifier, as in 8.2, Fig 8.9; brake: Coulomb friction as a force that knows the net force",
     symbol: "integrator",
     inputs: &[
         Input::gains("x", "summing inputs, the gain per machine second in the name").remembered(),
@@ -36,11 +38,19 @@ pub(super) static KIND: Kind = Kind {
             "output thrown back below which it comes to rest against the stop",
         )
         .within(0.0, REFERENCE),
+        soft_limit::UPPER,
+        soft_limit::LOWER,
+        soft_limit::DROP,
     ],
+    ordered: &[("limit.lower", "limit.upper")],
+    bounded: &[("limit.lower", "initial", "limit.upper")],
     parts: &[
         Takes::always(Part::Integrator, 1),
         Takes::with("brake_x", Part::Brake, 1),
         Takes::with("gap", Part::Rebound, 1),
+        soft_limit::LIMIT_PARTS[0],
+        soft_limit::LIMIT_PARTS[1],
+        soft_limit::LIMIT_PARTS[2],
     ],
     output: Output::Integrator,
     transfer: Transfer::Integrating,
@@ -63,7 +73,8 @@ fn memory_law(lowering: &mut Lowering<'_>) {
     if lowering.is_driven("gap") {
         rate = rebound(lowering, brake_mode, rate);
     }
-    lowering.set_rate(rate);
+    let knees = soft_limit::knees(lowering);
+    lowering.set_rate_within(rate, knees);
 }
 
 /// The brake holds; its other modes are the sign of the output while it slips.

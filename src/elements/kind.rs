@@ -29,6 +29,8 @@ pub struct Kind {
     pub settings: &'static [Setting],
     /// Settings of which the first must lie below the second.
     pub ordered: &'static [(&'static str, &'static str)],
+    /// Settings of which the second must not lie below the first nor above the third, as far as these are set.
+    pub bounded: &'static [(&'static str, &'static str, &'static str)],
     /// The parts of a machine that it is made of.
     pub parts: &'static [Takes],
     /// Whether its output is an amplifier's: stops at ±100 V and lights a lamp.
@@ -42,6 +44,7 @@ pub struct Kind {
 }
 
 /// Parts of a machine that an element is made of.
+#[derive(Debug, Clone, Copy)]
 pub struct Takes {
     /// The part.
     pub part: Part,
@@ -247,6 +250,7 @@ impl Kind {
         inputs: &[],
         settings: &[],
         ordered: &[],
+        bounded: &[],
         parts: &[],
         output: Output::Passive,
         transfer: Transfer::Other,

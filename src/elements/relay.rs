@@ -1,4 +1,4 @@
-//! Comparator with a relay: hysteresis between two contacts.
+//! Comparator with a relay: two contacts, hysteresis between them.
 
 use crate::machines::Part;
 use crate::program::{Guard, Lowering, Register, Transition};
@@ -10,24 +10,25 @@ const PULLED_IN: f64 = 1.0;
 
 pub(super) static KIND: Kind = Kind {
     name: "relay",
-    summary: "comparator with a relay: connects one of two voltages, with hysteresis",
-    law: "pulls in when in >= pull_in, releases when in <= drop_out; out = on while pulled in, off while released",
-    modes: "in initial condition it is as its input, its thresholds and \"closed\" say; stays in hold",
+    summary: "comparator with a relay: compares two voltages and connects one of two others, with hysteresis",
+    law: "pulls in when in - against >= pull_in, releases when in - against <= drop_out; out = on while pulled in, off while released",
+    modes: "in initial condition it is as its inputs, its thresholds and \"closed\" say; stays in hold",
     source: "comparator relay of the general-purpose machines",
     symbol: "relay",
     inputs: &[
         Input::jack("in", "what is compared").remembered(),
         Input::jack("on", "passed on while pulled in"),
         Input::jack("off", "passed on while released"),
+        Input::jack("against", "what it is compared with; ground where left open").remembered().open(),
     ],
     settings: &[
-        Setting::required("pull_in", Measure::Volts, "input at which it pulls in"),
-        Setting::required("drop_out", Measure::Volts, "input at which it releases; below pull_in"),
+        Setting::required("pull_in", Measure::Volts, "in - against at which it pulls in"),
+        Setting::required("drop_out", Measure::Volts, "in - against at which it releases; below pull_in"),
         Setting::preset(
             "closed",
             Measure::Flag,
             0.0,
-            "whether it starts pulled in when its input starts between the thresholds",
+            "whether it starts pulled in when in - against starts between the thresholds",
         ),
     ],
     ordered: &[("drop_out", "pull_in")],
@@ -46,10 +47,20 @@ fn output_law(lowering: &mut Lowering<'_>) -> Register {
 }
 
 fn memory_law(lowering: &mut Lowering<'_>) {
-    let (position, signal) = (lowering.own_mode(), lowering.input("in"));
+    let (position, signal) = (lowering.own_mode(), compared(lowering));
     let (pull_in, drop_out) = (lowering.get("pull_in"), lowering.get("drop_out"));
     let above = lowering.subtract(signal, pull_in);
     let below = lowering.subtract(drop_out, signal);
     lowering.transition(position, Transition::new(RELEASED, PULLED_IN, Guard::reached(above)));
     lowering.transition(position, Transition::new(PULLED_IN, RELEASED, Guard::reached(below)));
+}
+
+/// The difference between the two inputs.
+fn compared(lowering: &mut Lowering<'_>) -> Register {
+    let signal = lowering.input("in");
+    if !lowering.is_driven("against") {
+        return signal;
+    }
+    let other = lowering.input("against");
+    lowering.subtract(signal, other)
 }

@@ -17,9 +17,9 @@ pub(super) static KIND: Kind = Kind {
     ordered: &[("limit.lower", "limit.upper")],
     parts: &[
         Takes::always(Part::Summer, 1),
-        Takes::with("limit", Part::DiodePair, 1),
-        Takes::with("limit.upper", Part::FreePot, 1),
-        Takes::with("limit.lower", Part::FreePot, 1),
+        soft_limit::LIMIT_PARTS[0],
+        soft_limit::LIMIT_PARTS[1],
+        soft_limit::LIMIT_PARTS[2],
     ],
     transfer: Transfer::Inverting,
     output_law,

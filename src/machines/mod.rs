@@ -22,6 +22,8 @@ pub enum Part {
     FunctionGenerator,
     /// A comparator with its relay.
     Relay,
+    /// A track-and-hold amplifier.
+    TrackHold,
     /// A delay line.
     DelayLine,
     /// A rebound stop on an integrator.
@@ -41,6 +43,7 @@ impl Part {
         Part::Multiplier,
         Part::FunctionGenerator,
         Part::Relay,
+        Part::TrackHold,
         Part::DelayLine,
         Part::Rebound,
         Part::Brake,
@@ -57,6 +60,7 @@ impl Part {
             Part::Multiplier => "multipliers",
             Part::FunctionGenerator => "function_generators",
             Part::Relay => "relays",
+            Part::TrackHold => "track_holds",
             Part::DelayLine => "delay_lines",
             Part::Rebound => "rebounds",
             Part::Brake => "brakes",
@@ -125,7 +129,7 @@ mod tests {
     fn the_1451_is_the_one_of_the_text() {
         let machine = find("solartron-1451").unwrap();
         let counts = Part::ALL.iter().map(|part| machine.count(*part));
-        let expected = [16, 8, 12, 6, 4, 2, 0, 0, 0, 0, 0].map(Some);
+        let expected = [16, 8, 12, 6, 4, 2, 0, 0, 0, 0, 0, 0].map(Some);
         assert!(counts.eq(expected));
     }
 

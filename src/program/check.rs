@@ -49,6 +49,7 @@ fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest 
         program.states.iter().map(|state| coefficients[state.initial as usize]).collect();
     let mut modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
     let delayed: Vec<f64> = program.delays.iter().map(|delay| coefficients[delay.initial as usize]).collect();
+    let kept: Vec<f64> = program.kept.iter().map(|kept| coefficients[kept.initial as usize]).collect();
     let mut registers = vec![0.0; program.body.len()];
     let mut scratch = Scratch::new(program);
     let mut restless = None;
@@ -61,6 +62,7 @@ fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest 
             time: 0.0,
             tables: &program.tables,
             delayed: &delayed,
+            kept: &kept,
         };
         scratch.faults.clear();
         program.evaluate(&from, &mut registers, &mut scratch);

@@ -63,8 +63,8 @@ impl Evaluation for Dual {
         scratch: &mut Scratch,
     ) -> Dual {
         let values = |duals: &[Dual]| duals.iter().map(|dual| dual.value).collect::<Vec<f64>>();
-        let [parameters, coefficients, states, delayed] =
-            [from.parameters, from.coefficients, from.states, from.delayed].map(values);
+        let [parameters, coefficients, states, delayed, kept] =
+            [from.parameters, from.coefficients, from.states, from.delayed, from.kept].map(values);
         let plain = Sources {
             parameters: &parameters,
             coefficients: &coefficients,
@@ -73,6 +73,7 @@ impl Evaluation for Dual {
             time: from.time.value,
             tables: from.tables,
             delayed: &delayed,
+            kept: &kept,
         };
         let solution = solve_tear(program, index, &plain, &values(registers), scratch);
         let mut slope_with = |tear: Dual| {
@@ -116,15 +117,7 @@ impl Program {
 
     /// Works out the coefficients from the parameters (in SI).
     pub(crate) fn prepare<N: Number>(&self, parameters: &[N]) -> Vec<N> {
-        let from = Sources {
-            parameters,
-            coefficients: &[],
-            states: &[],
-            modes: &[],
-            time: N::constant(0.0),
-            tables: &[],
-            delayed: &[],
-        };
+        let from = Sources { parameters, ..Sources::none() };
         let mut registers = Vec::with_capacity(self.prologue.len());
         for op in &self.prologue {
             let value = op.apply(&from, |register| registers[register.index()]);

@@ -205,9 +205,13 @@ impl Found {
 /// One operation inside a loop, by another arithmetic: what it reads from outside stands still.
 pub(super) fn moved<N: Number>(op: Op, from: &Sources<'_, f64>, get: impl Fn(usize) -> N) -> N {
     match op {
-        Op::Constant(_) | Op::Coefficient(_) | Op::State(_) | Op::Mode(_) | Op::Time | Op::Delayed(_) => {
-            N::constant(op.apply(from, |_| f64::NAN))
-        }
+        Op::Constant(_)
+        | Op::Coefficient(_)
+        | Op::State(_)
+        | Op::Mode(_)
+        | Op::Time
+        | Op::Delayed(_)
+        | Op::Kept(_) => N::constant(op.apply(from, |_| f64::NAN)),
         Op::Table(index, at) => get(at.index()).table(&from.tables[index as usize]),
         _ => op.apply(&Sources::none(), |register| get(register.index())),
     }

@@ -40,6 +40,7 @@ pub struct Program {
     pub(crate) states: Vec<State>,
     pub(crate) modes: Vec<Mode>,
     pub(crate) delays: Vec<Delay>,
+    pub(crate) kept: Vec<Kept>,
     pub(crate) tables: Vec<Vec<[f64; 2]>>,
     /// Problem times, rising, at which tables have corners: no step reaches across one.
     pub(crate) corners: Vec<f64>,
@@ -95,6 +96,8 @@ pub(crate) struct State {
     pub rate: Register,
     /// The same before the limit.
     pub demand: Register,
+    /// The voltages, lower and upper, at which it is held.
+    pub limits: [Register; 2],
     /// Coefficient of the initial condition.
     pub initial: u32,
 }
@@ -194,6 +197,15 @@ pub(crate) struct Delay {
     pub initial: u32,
     /// Problem seconds per machine second.
     pub problem_seconds: f64,
+}
+
+/// A value that stays the same within a step.
+#[derive(Debug, Clone)]
+pub(crate) struct Kept {
+    /// Coefficient of what it is in initial condition.
+    pub initial: u32,
+    /// What it becomes at the end of every stretch.
+    pub next: Register,
 }
 
 /// A loop without an integrator: the operations from after the tear to the result.

@@ -61,6 +61,8 @@ pub enum Op {
     Table(u32, Register),
     /// What a delay line gives back.
     Delayed(u32),
+    /// A kept value: as it stood at the end of the last stretch.
+    Kept(u32),
     /// Start of a loop without an integrator: the output that opens it, solved here.
     Tear(u32),
 }
@@ -74,6 +76,7 @@ pub(crate) struct Sources<'a, N> {
     pub time: N,
     pub tables: &'a [Vec<[f64; 2]>],
     pub delayed: &'a [N],
+    pub kept: &'a [N],
 }
 
 impl<N: Number> Sources<'_, N> {
@@ -87,6 +90,7 @@ impl<N: Number> Sources<'_, N> {
             time: N::constant(0.0),
             tables: &[],
             delayed: &[],
+            kept: &[],
         }
     }
 }
@@ -115,6 +119,7 @@ impl Op {
             Op::Call(function, a, b) => N::call(function, get(a), get(b)),
             Op::Table(index, at) => get(at).table(&from.tables[index as usize]),
             Op::Delayed(index) => from.delayed[index as usize],
+            Op::Kept(index) => from.kept[index as usize],
             Op::Tear(_) => N::constant(f64::NAN),
         }
     }

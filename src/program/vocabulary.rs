@@ -1,7 +1,7 @@
 //! What an element's law can read, and the operations that it can emit.
 
 use super::lower::Lowering;
-use super::{Delay, Guard, Mode, ModeHandle, Op, Register, State, Transition};
+use super::{Delay, Guard, Kept, Mode, ModeHandle, Op, Register, State, Transition};
 use crate::elements::{Default as SettingDefault, Family, Measure};
 use crate::machines::REFERENCE;
 use crate::patch::{Amount, Function};
@@ -229,7 +229,13 @@ impl Lowering<'_> {
         let initial = self.required(initial);
         let index = self.program.states.len() as u32;
         let unset = Register(0);
-        self.program.states.push(State { element: self.current, rate: unset, demand: unset, initial });
+        self.program.states.push(State {
+            element: self.current,
+            rate: unset,
+            demand: unset,
+            limits: [unset; 2],
+            initial,
+        });
         self.own_state.insert(self.current, index);
         self.emit(Op::State(index))
     }
@@ -247,26 +253,37 @@ impl Lowering<'_> {
     /// Sets d/dt of the current element's state, in volts per machine second. At ±100 V the state is held
     /// while its rate points outward: a mode of the element, so that coming there and leaving are located.
     pub fn set_rate(&mut self, rate: Register) {
+        self.set_rate_within(rate, [None, None]);
+    }
+
+    /// The same, held at limits of its own, lower and upper, where they lie inside of ±100 V.
+    pub fn set_rate_within(&mut self, rate: Register, [lower, upper]: [Option<Register>; 2]) {
         let demand = self.scaled(rate, self.circuit.time_scale());
         let (held, zero, half) = (self.new_mode(FREE), self.constant(0.0), self.constant(0.5));
-        for sign in [1.0, -1.0] {
-            self.limit(held, sign, demand);
+        let (least, most) = (self.constant(-REFERENCE), self.constant(REFERENCE));
+        let lower = lower.map_or(least, |lower| self.maximum(lower, least));
+        let upper = upper.map_or(most, |upper| self.minimum(upper, most));
+        for (sign, limit) in [(1.0, upper), (-1.0, lower)] {
+            self.limit(held, sign, limit, demand);
         }
         let size = self.absolute(held.value);
         let rate = self.select(size, half, zero, demand);
         let index = self.own_state() as usize;
         let state = &mut self.program.states[index];
-        (state.rate, state.demand) = (rate, demand);
+        (state.rate, state.demand, state.limits) = (rate, demand, [lower, upper]);
     }
 
     /// The limit of this sign: met from inside, left when driven inward or set inside by something else.
-    fn limit(&mut self, held: ModeHandle, sign: f64, demand: Register) {
-        let (limit, out) = (self.constant(sign * REFERENCE), self.own_output());
+    fn limit(&mut self, held: ModeHandle, sign: f64, limit: Register, demand: Register) {
+        let out = self.own_output();
         let (past, short) = (self.subtract(out, limit), self.subtract(limit, out));
         let (over, inside) = if sign > 0.0 { (past, short) } else { (short, past) };
         let inward = if sign > 0.0 { self.negate(demand) } else { demand };
-        let meets = Transition::new(FREE, sign, Guard::passed(over)).reset(self, limit);
-        self.transition(held, meets);
+        // A limit that is turned inward takes the state along that it holds.
+        for from in [FREE, sign] {
+            let meets = Transition::new(from, sign, Guard::passed(over)).reset(self, limit);
+            self.transition(held, meets);
+        }
         self.transition(held, Transition::new(sign, FREE, Guard::passed(inward)));
         self.transition(held, Transition::new(sign, FREE, Guard::passed(inside)));
     }
@@ -300,6 +317,23 @@ impl Lowering<'_> {
         self.program.delays.push(Delay { element, input, time, initial, problem_seconds });
         self.own_delay.insert(self.current, index);
         self.emit(Op::Delayed(index))
+    }
+
+    /// A value of the current element that stays the same within a step, a setting in initial condition.
+    pub fn new_memory(&mut self, initial: &str) -> Register {
+        let initial = self.required(initial);
+        let index = self.program.kept.len() as u32;
+        self.program.kept.push(Kept { initial, next: Register(0) });
+        self.own_memory.insert(self.current, index);
+        self.emit(Op::Kept(index))
+    }
+
+    /// What the current element's kept value becomes at the end of every stretch of time, and again once what
+    /// switches there has switched. It must come to the same again once it is kept: voltages are not worked out
+    /// anew.
+    pub fn remember(&mut self, next: Register) {
+        let index = *self.own_memory.get(&self.current).expect("the element's output law makes its memory");
+        self.program.kept[index as usize].next = next;
     }
 
     /// What goes into the current element's delay line.

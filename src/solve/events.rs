@@ -24,6 +24,7 @@ impl Machine<'_> {
             self.accept(time, witness)?;
             let echoed = self.meet_breaks();
             if self.settle()? || echoed {
+                self.remember_values();
                 self.check_now()?;
             }
             witness.arrival(self);

@@ -2,7 +2,6 @@
 
 use super::error::RunError;
 use super::machine::{Machine, MachineMode};
-use crate::machines::REFERENCE;
 
 impl Machine<'_> {
     /// Turns whatever pots follow from a parameter, given in its declared unit; also while running.
@@ -36,13 +35,13 @@ impl Machine<'_> {
     /// condition; also while running. It lasts until the next initial condition.
     ///
     /// # Errors
-    /// When there is no such integrator, the voltage is not within ±100 V, or the circuit cannot be worked
-    /// out there; nothing is changed then.
+    /// When there is no such integrator, the voltage is not within its limits (±100 V without others), or the
+    /// circuit cannot be worked out there; nothing is changed then.
     pub fn set_state(&mut self, integrator: &str, volts: f64) -> Result<(), RunError> {
         let state =
             self.program.states.iter().position(|state| self.program.name(state.element) == integrator);
         let Some(state) = state else { return Err(RunError::UnknownElement(integrator.to_owned())) };
-        let (low, high) = (-REFERENCE, REFERENCE);
+        let [low, high] = self.program.states[state].limits.map(|limit| self.registers[limit.index()]);
         if !(low <= volts && volts <= high) {
             return Err(RunError::OutsideRange { what: integrator.to_owned(), value: volts, low, high });
         }

@@ -18,9 +18,6 @@ pub enum MachineMode {
     Hold,
 }
 
-/// Share of a step within which instants are the same.
-const SAME: f64 = 1e-9;
-
 /// States smaller than this, in volts, are 0: processors are slow on the smallest numbers.
 const SMALLEST: f64 = 1e-100;
 
@@ -46,6 +43,8 @@ pub struct Machine<'p> {
     pub(super) coefficients: Vec<f64>,
     delayed: Vec<f64>,
     pub(super) lines: Vec<DelayLine>,
+    /// The kept values, which stay the same within a step.
+    kept: Vec<f64>,
     pub(super) scratch: Scratch,
     pub(super) lamps: Vec<Option<Lit>>,
     pub(super) mode: MachineMode,
@@ -121,6 +120,7 @@ impl<'p> Machine<'p> {
             last: Stretch { time: 0.0, states: zeros(), rates: zeros() },
             delayed: vec![0.0; program.delays.len()],
             lines: delay_lines(program, &coefficients, step),
+            kept: vec![0.0; program.kept.len()],
             scratch: Scratch::new(program),
             lamps: vec![None; program.elements.len()],
             mode: MachineMode::InitialCondition,
@@ -149,6 +149,9 @@ impl<'p> Machine<'p> {
         }
         for (value, mode) in self.modes.iter_mut().zip(&self.program.modes) {
             *value = mode.initial;
+        }
+        for (value, kept) in self.kept.iter_mut().zip(&self.program.kept) {
+            *value = self.coefficients[kept.initial as usize];
         }
         self.lines.iter_mut().for_each(DelayLine::clear);
         self.lamps.fill(None);
@@ -222,6 +225,7 @@ impl<'p> Machine<'p> {
         self.evaluate();
         self.remember_break(0);
         self.settle()?;
+        self.remember_values();
         self.check_now()
     }
 
@@ -270,6 +274,7 @@ impl<'p> Machine<'p> {
             modes: &self.modes,
             time: self.time,
             delayed: &delayed.collect::<Vec<_>>(),
+            kept: &self.kept,
         })
     }
 
@@ -319,6 +324,7 @@ impl<'p> Machine<'p> {
             time,
             tables: &self.program.tables,
             delayed: &self.delayed,
+            kept: &self.kept,
         };
         self.program.evaluate(&from, registers, &mut self.scratch);
     }
@@ -353,54 +359,15 @@ impl<'p> Machine<'p> {
         self.watch_amplifiers();
         self.remember_delays();
         witness.stretch(self);
+        self.remember_values();
         Ok(())
     }
 
-    fn remember_delays(&mut self) {
-        for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
-            line.put(self.time, self.registers[delay.input.index()]);
+    /// Keeps the values of now. What the witness saw of the stretch before needed those from its beginning.
+    pub(super) fn remember_values(&mut self) {
+        for (value, kept) in self.kept.iter_mut().zip(&self.program.kept) {
+            *value = self.registers[kept.next.index()];
         }
-    }
-
-    /// The same at an instant at which voltages jump or turn a corner: their echo will do so too. `echoes`
-    /// tells how often it has echoed so far.
-    pub(super) fn remember_break(&mut self, echoes: u8) {
-        for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
-            line.put_break(self.time, self.registers[delay.input.index()], echoes);
-        }
-    }
-
-    /// The end of a stretch on the way to a time: no stretch goes across an echo or the corner of a table.
-    pub(super) fn end_of_stretch(&self, target: f64) -> f64 {
-        let corner = self.next_corner().filter(|corner| *corner < target - SAME * self.step);
-        let echoes = self.lines.iter().filter_map(|line| line.echo_before(target));
-        echoes.chain(corner).fold(target, f64::min)
-    }
-
-    fn next_corner(&self) -> Option<f64> {
-        let corners = &self.program.corners;
-        let next = corners.partition_point(|corner| *corner <= self.time + SAME * self.step);
-        corners.get(next).copied()
-    }
-
-    fn is_at_corner(&self) -> bool {
-        let corners = &self.program.corners;
-        let next = corners.partition_point(|corner| *corner < self.time - SAME * self.step);
-        corners.get(next).is_some_and(|corner| *corner <= self.time + SAME * self.step)
-    }
-
-    /// Takes note of what breaks here: corners of tables, and the echoes that come out of delay lines. Tells
-    /// whether any came out.
-    pub(super) fn meet_breaks(&mut self) -> bool {
-        if self.is_at_corner() {
-            self.remember_break(0);
-        }
-        let heard = self.lines.iter_mut().filter_map(|line| line.echoes_by(self.time)).min();
-        if let Some(echoes) = heard {
-            self.evaluate();
-            self.remember_break(echoes + 1);
-        }
-        heard.is_some()
     }
 }
 

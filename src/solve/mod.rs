@@ -1,5 +1,6 @@
 //! Running a program: the machine with its modes, steps, located changes of mode, overloads, recording.
 
+mod breaks;
 mod delay_line;
 mod error;
 mod events;

@@ -4,7 +4,6 @@ use super::error::{RunError, Stopped, TimeSetting};
 use super::grid::Grid;
 use super::machine::{Machine, Witness};
 use crate::circuit::Circuit;
-use crate::machines::REFERENCE;
 use crate::patch::RunPlan;
 use crate::program::{Probe, Program};
 use crate::trace::{Sweep, Trace, Track};
@@ -244,7 +243,14 @@ impl Machine<'_> {
                 + from_rate * self.last.rates[index]
                 + to_state * self.states[index]
                 + to_rate * self.rates[0][index];
-            *trial = value.clamp(-REFERENCE, REFERENCE);
+            let [low, high] = self.program.states[index].limits.map(|limit| self.registers[limit.index()]);
+            *trial = if value < low {
+                low
+            } else if value > high {
+                high
+            } else {
+                value
+            };
         }
         self.evaluate_trial(time);
     }

@@ -8,6 +8,7 @@ mod bench;
 mod common;
 
 mod absolute;
+mod backlash;
 mod cos;
 mod dead_zone;
 mod delay;
@@ -30,6 +31,7 @@ mod sine;
 mod step;
 mod summer;
 mod table;
+mod track_hold;
 mod triangle;
 
 use std::fs;

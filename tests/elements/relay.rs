@@ -24,6 +24,19 @@ proptest! {
 }
 
 #[test]
+fn two_voltages_are_compared() {
+    let relay = element("relay").cord("in", "a").cord("against", "b").cord("on", "+100").cord("off", "c");
+    let program = bench(relay.set("pull_in", 2).set("drop_out", -2));
+    let mut machine = at(&program, &[50.0, 50.0, -3.0]);
+    for (a, b, expected) in [(50.0, 50.0, -3.0), (52.0, 50.0, 100.0), (52.0, 53.9, 100.0), (52.0, 54.0, -3.0)]
+    {
+        apply(&mut machine, &[a, b]);
+        machine.operate(1e-3).unwrap();
+        assert_out(&machine, expected, &format!("{a} against {b}"));
+    }
+}
+
+#[test]
 fn overload() {
     has_no_lamp(relay(5.0, -5.0).cord("on", "high"), &[100.0], 110.0);
 }

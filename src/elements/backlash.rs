@@ -1,0 +1,46 @@
+//! Backlash: the play of gears and spindles.
+
+use crate::machines::{Part, REFERENCE};
+use crate::program::{Lowering, Register};
+
+use super::{Input, Kind, Measure, Setting, Takes};
+
+pub(super) static KIND: Kind = Kind {
+    name: "backlash",
+    summary: "play operator: stays where it is until its input has crossed the play, then is pushed along",
+    law: "out stays while |in - out| < width / 2, and is pushed along at that distance otherwise; where in turns \
+          within a step of length h, out stays up to h^2 / 8 x |d2 in / dt2| short of where it was pushed to; exact \
+          where it turns at the end of one",
+    modes: "in initial condition it is initial, pushed as far as its input asks for; stays in hold",
+    source: "backlash circuits of the handbooks: an integrator of high gain behind a dead zone",
+    symbol: "backlash",
+    inputs: &[Input::jack("in", "what pushes")],
+    settings: &[
+        Setting::required("width", Measure::Volts, "the whole play").within(0.0, REFERENCE),
+        Setting::preset("initial", Measure::Volts, 0.0, "output in initial condition, unless it is pushed"),
+    ],
+    parts: &[
+        Takes::always(Part::Summer, 1),
+        Takes::always(Part::Integrator, 1),
+        Takes::always(Part::DiodePair, 1),
+        Takes::always(Part::FreePot, 2),
+    ],
+    output_law,
+    memory_law: Some(memory_law),
+    ..Kind::AMPLIFIER
+};
+
+// Where it is just pushed, the push counts: its derivative there is that of its input.
+fn output_law(lowering: &mut Lowering<'_>) -> Register {
+    let (was, signal, width) = (lowering.new_memory("initial"), lowering.input("in"), lowering.get("width"));
+    let half = lowering.constant(0.5);
+    let play = lowering.multiply(half, width);
+    let (least, most) = (lowering.subtract(signal, play), lowering.add(signal, play));
+    let pushed = lowering.maximum(least, was);
+    lowering.minimum(most, pushed)
+}
+
+fn memory_law(lowering: &mut Lowering<'_>) {
+    let output = lowering.own_output();
+    lowering.remember(output);
+}
