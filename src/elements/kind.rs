@@ -178,6 +178,9 @@ pub enum Measure {
     Choice(&'static [&'static str]),
     /// A list of points [problem seconds, value in the unit of the drive's scale].
     Points,
+    /// A list of points [volts in, volts out], mirrored as the setting of this name says, which stands before
+    /// it.
+    Curve(&'static str),
 }
 
 /// What a setting is when the patch does not say.
@@ -202,7 +205,7 @@ impl Measure {
     const fn widest(self) -> (f64, f64) {
         match self {
             Measure::Fraction | Measure::Flag => (0.0, 1.0),
-            Measure::Volts => (-REFERENCE, REFERENCE),
+            Measure::Volts | Measure::Curve(_) => (-REFERENCE, REFERENCE),
             Measure::MachineSeconds | Measure::Seconds | Measure::Hertz => (0.0, f64::MAX),
             _ => (f64::MIN, f64::MAX),
         }
@@ -354,6 +357,7 @@ impl Setting {
             Measure::Flag => "true or false",
             Measure::Choice(_) => "a word",
             Measure::Points => "[s, unit of the scale]",
+            Measure::Curve(_) => "[V, V]",
         }
     }
 }

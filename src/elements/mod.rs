@@ -14,6 +14,7 @@ mod diode_lower_of;
 mod diode_upper_of;
 mod exp;
 mod free_pot;
+mod function_generator;
 mod integrator;
 mod inverter;
 mod key_switch;
@@ -55,6 +56,7 @@ pub static REGISTRY: &[&Kind] = &[
     &diode_upper_of::KIND,
     &backlash::KIND,
     &multiplier::KIND,
+    &function_generator::KIND,
     &sin::KIND,
     &cos::KIND,
     &log::KIND,

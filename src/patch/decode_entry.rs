@@ -2,9 +2,10 @@
 
 use super::code::Code;
 use super::decode::formula;
+use super::decode_curve::{Mirror, curve, points};
 use super::diagnostic::{Diagnostic, Span, suggestion};
 use super::document::{Amount, Entry, Placed, Plug};
-use super::fields::{Fields, Findings, flag, list, number, word, words};
+use super::fields::{Fields, Findings, flag, word, words};
 use super::tree::{self, Content, Node};
 use crate::elements::{self, Default, Family, Jacks, Kind, Measure};
 use crate::machines::Part;
@@ -129,18 +130,36 @@ fn settings(fields: &mut Fields<'_>, prefix: &str, entry: &mut Entry, findings: 
             Default::Required => fields.need(key, setting.description),
             _ => fields.take(key),
         };
-        entry.settings[index] = node.and_then(|node| amount(node, key, setting.measure, findings));
+        entry.settings[index] = node.and_then(|node| amount(node, key, setting.measure, entry, findings));
     }
 }
 
-fn amount(node: &Node, key: &str, measure: Measure, findings: &mut Findings) -> Option<Placed<Amount>> {
+/// The value of a setting of an entry, of which the settings before it in the kind's order are read.
+fn amount(
+    node: &Node,
+    key: &str,
+    measure: Measure,
+    entry: &Entry,
+    findings: &mut Findings,
+) -> Option<Placed<Amount>> {
     let value = match measure {
         Measure::Flag => Amount::Flag(flag(node, key, findings)?),
         Measure::Choice(words) => Amount::Choice(choice(node, key, words, findings)?),
         Measure::Points => Amount::Points(points(node, key, findings)?),
+        Measure::Curve(symmetry) => Amount::Points(curve(node, key, mirror(entry, symmetry), findings)?),
         _ => Amount::Formula(formula(node, key, findings)?.value),
     };
     Some(Placed { value, span: node.span })
+}
+
+/// What the setting that tells the symmetry of a curve says: none, odd or even, in this order.
+fn mirror(entry: &Entry, symmetry: &str) -> Mirror {
+    let chosen = entry.kind.setting(symmetry).and_then(|index| entry.settings[index].as_ref());
+    match chosen.map(|placed| &placed.value) {
+        Some(Amount::Choice(1)) => Mirror::Odd,
+        Some(Amount::Choice(2)) => Mirror::Even,
+        _ => Mirror::None,
+    }
 }
 
 fn choice(node: &Node, key: &str, known: &[&str], findings: &mut Findings) -> Option<usize> {
@@ -152,32 +171,6 @@ fn choice(node: &Node, key: &str, known: &[&str], findings: &mut Findings) -> Op
         findings.push(Diagnostic::at(Code::UnknownName, node.span, message).maybe_hint(hint));
     }
     index
-}
-
-fn points(node: &Node, key: &str, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
-    let items = list(node, key, findings)?;
-    let points: Option<Vec<[f64; 2]>> = items.iter().map(|item| point(item, key, findings)).collect();
-    let points = points?;
-    let falling = points.windows(2).position(|pair| pair[1][0] <= pair[0][0]);
-    if let Some(index) = falling {
-        let message = "the times of a table must rise from point to point";
-        findings.push(Diagnostic::at(Code::BadNumber, items[index + 1].span, message));
-        return None;
-    }
-    if points.is_empty() {
-        findings.push(Diagnostic::at(Code::BadNumber, node.span, "a table needs at least one point"));
-        return None;
-    }
-    Some(points)
-}
-
-fn point(node: &Node, key: &str, findings: &mut Findings) -> Option<[f64; 2]> {
-    let pair = list(node, key, findings)?;
-    let [time, value] = pair else {
-        findings.push(Diagnostic::at(Code::WrongType, node.span, "a point is a list of two numbers"));
-        return None;
-    };
-    Some([number(time, key, findings)?, number(value, key, findings)?])
 }
 
 fn uses(node: &Node, findings: &mut Findings) -> Vec<(Placed<String>, Vec<Placed<String>>)> {

@@ -66,7 +66,7 @@ pub enum Amount {
     Flag(bool),
     /// The index of the word chosen.
     Choice(usize),
-    /// Points in time.
+    /// Points of a table or a curve, the first numbers rising.
     Points(Vec<[f64; 2]>),
 }
 

@@ -3,6 +3,7 @@
 mod builder;
 mod code;
 mod decode;
+mod decode_curve;
 mod decode_entry;
 mod diagnostic;
 mod document;

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::document::FORMAT_VERSION;
 use crate::elements::{Default, Family, Input, Jacks, Kind, Measure, REGISTRY, Setting};
-use crate::machines::{self, Part};
+use crate::machines::{self, Part, REFERENCE};
 
 /// The schema (draft 2020-12) that editors can check and complete patches with.
 pub fn json_schema() -> Value {
@@ -224,6 +224,15 @@ fn value(setting: &Setting) -> Value {
             "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
             "description": description,
         }),
+        Measure::Curve(_) => {
+            let volts = json!({"type": "number", "minimum": -REFERENCE, "maximum": REFERENCE});
+            json!({
+                "type": "array",
+                "minItems": 2,
+                "items": {"type": "array", "items": volts, "minItems": 2, "maxItems": 2},
+                "description": description,
+            })
+        }
         _ => json!({"$ref": "#/$defs/formula", "description": description}),
     }
 }

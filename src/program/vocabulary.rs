@@ -70,6 +70,14 @@ impl<'c> Lowering<'c> {
         Some(self.emit(Op::Coefficient(index)))
     }
 
+    /// A setting made of points.
+    pub fn points(&self, name: &str) -> Vec<[f64; 2]> {
+        match self.amount(name) {
+            Some(Amount::Points(points)) => points.clone(),
+            _ => Vec::new(),
+        }
+    }
+
     /// A setting that is true or false.
     pub fn flag(&self, name: &str) -> bool {
         match self.amount(name) {
@@ -195,10 +203,11 @@ impl Lowering<'_> {
 
     /// A setting made of points, looked up.
     pub fn table(&mut self, name: &str, at: Register) -> Register {
-        let points = match self.amount(name) {
-            Some(Amount::Points(points)) => points.clone(),
-            _ => Vec::new(),
-        };
+        self.look_up(self.points(name), at)
+    }
+
+    /// Points looked up: straight between them, level outside.
+    pub fn look_up(&mut self, points: Vec<[f64; 2]>, at: Register) -> Register {
         self.program.tables.push(points);
         self.emit(Op::Table(self.program.tables.len() as u32 - 1, at))
     }

@@ -17,6 +17,7 @@ mod diode_lower_of;
 mod diode_upper_of;
 mod exp;
 mod free_pot;
+mod function_generator;
 mod integrator;
 mod inverter;
 mod key_switch;
