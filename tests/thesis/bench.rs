@@ -81,3 +81,12 @@ pub fn volts_at_rest(stem: &str, elements: &[&str]) -> Vec<f64> {
     assert!(!machine.is_overloaded());
     elements.iter().map(|element| machine.voltage(element).unwrap()).collect()
 }
+
+/// Peak to peak over the 40 samples from each on: 40 ms, about two periods near the critical velocity.
+pub fn swing(velocity: &[f64]) -> Vec<f64> {
+    let span = |window: &[f64]| {
+        let bounds = window.iter().fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(*v), high.max(*v)));
+        bounds.1 - bounds.0
+    };
+    velocity.windows(40).map(span).collect()
+}

@@ -82,15 +82,6 @@ fn profile() -> Trace {
     bench::run("fig-8-16", &named, 2.0 * TURN, EVERY, &["v_i", "v_o"])
 }
 
-/// Peak to peak over the 40 samples from each on: 40 ms, about two periods near the critical velocity.
-fn swing(velocity: &[f64]) -> Vec<f64> {
-    let span = |window: &[f64]| {
-        let bounds = window.iter().fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(*v), high.max(*v)));
-        bounds.1 - bounds.0
-    };
-    velocity.windows(40).map(span).collect()
-}
-
 #[test]
 fn the_command_turns_back() {
     let trace = profile();
@@ -105,7 +96,7 @@ fn the_command_turns_back() {
 fn oscillation_ends_later_rising_than_it_begins_falling() {
     let trace = profile();
     assert!(bench::lit(&trace).is_empty(), "{:?}", trace.sweeps);
-    let (commanded, swing) = (trace.values("v_i").unwrap(), swing(&trace.values("v_o").unwrap()));
+    let (commanded, swing) = (trace.values("v_i").unwrap(), bench::swing(&trace.values("v_o").unwrap()));
     let turn = (TURN / EVERY) as usize;
     let ends = swing[..turn].iter().rposition(|swing| *swing > THRESHOLD).unwrap();
     let begins = turn + swing[turn..].iter().position(|swing| *swing > THRESHOLD).unwrap();

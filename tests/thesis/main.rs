@@ -1,6 +1,7 @@
 //! The thesis's circuits against physics written down independently, and against what its text says of them.
 
 mod bench;
+mod compromise;
 mod dice;
 mod fig_8_04;
 mod fig_8_07;
@@ -8,4 +9,6 @@ mod fig_8_11;
 mod fig_8_14;
 mod fig_8_15;
 mod fig_8_16;
+mod fig_8_16_both;
+mod fig_8_16_coulomb;
 mod slideway;
