@@ -11,7 +11,7 @@
 //! let patch = Patch::read("patches/thesis/fig-8-16.json".as_ref())?;
 //! let circuit = Circuit::new(&patch, &[("VcL".into(), 5.08e-3)])?;
 //! let program = Program::new(&circuit)?;
-//! let settings = solve::RunSettings { duration: 0.1, ..solve::RunSettings::of(&circuit)? };
+//! let settings = solve::RunSettings::of(&circuit)?.lasting(0.1);
 //! let trace = solve::run(&program, &settings)?;
 //! assert_eq!(trace.track("v_o").unwrap().unit, "m/s");
 //! # Ok::<(), Box<dyn std::error::Error>>(())

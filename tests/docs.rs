@@ -10,8 +10,8 @@ use patchcord::program::Program;
 
 fn documents() -> Vec<PathBuf> {
     let mut found = vec!["README.md".into(), "CONTRIBUTING.md".into(), "CHANGELOG.md".into()];
-    for folder in ["docs", "examples/01_load_and_run", "examples/02_build_a_patch", "examples/03_turn_a_pot"]
-    {
+    let examples = fs::read_dir("examples").unwrap().map(|entry| entry.unwrap().path());
+    for folder in examples.chain(["docs".into()]) {
         let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
         found.extend(entries.filter(|path| path.extension().is_some_and(|ending| ending == "md")));
     }

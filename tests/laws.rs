@@ -150,12 +150,8 @@ fn samples_between_steps_have_the_order_of_the_cubic() {
         .build()
         .unwrap();
     let errors = steps.map(|step| {
-        let trace = trace(&oscillator, |settings| RunSettings {
-            step,
-            every: 0.37 * step,
-            duration: 6.4,
-            ..settings
-        });
+        let trace =
+            trace(&oscillator, |settings| RunSettings { step, every: 0.37 * step, ..settings.lasting(6.4) });
         let samples = trace.time.iter().zip(&trace.tracks[0].volts);
         samples.map(|(time, volts)| (volts - 50.0 * time.cos()).abs()).fold(0.0, f64::max)
     });
@@ -170,7 +166,7 @@ fn samples_between_steps_have_the_order_of_the_cubic() {
 #[test]
 fn repetitive_operation_gives_identical_sweeps() {
     for stem in PATCHES {
-        let trace = trace(&patch(stem), |settings| RunSettings { repeat: 3, ..settings });
+        let trace = trace(&patch(stem), |settings| settings.repeated(3));
         assert_eq!(trace.sweeps.len(), 3);
         let length = trace.len() / 3;
         assert!(trace.tracks.iter().all(|track| {
@@ -294,11 +290,10 @@ fn a_jump_lights_its_lamp_when_it_jumps() {
 fn hold_on_overload_stops_where_the_lamp_lit() {
     let patch = chain().build().unwrap();
     let trace = trace(&patch, |settings| RunSettings {
-        duration: 20.0,
         step: 0.1,
         every: 0.1,
         hold_on_overload: true,
-        ..settings
+        ..settings.lasting(20.0)
     });
     let sweep = &trace.sweeps[0];
     assert!(sweep.held);
@@ -313,12 +308,8 @@ fn hold_on_overload_stops_where_the_lamp_lit() {
 #[test]
 fn hold_on_overload_runs_to_the_end_when_nothing_overloads() {
     let patch = chain().build().unwrap();
-    let trace = trace(&patch, |settings| RunSettings {
-        duration: 1.05,
-        step: 0.1,
-        hold_on_overload: true,
-        ..settings
-    });
+    let trace =
+        trace(&patch, |settings| RunSettings { step: 0.1, hold_on_overload: true, ..settings.lasting(1.05) });
     assert_eq!((trace.sweeps[0].held, trace.sweeps[0].end), (false, 1.05));
 }
 
@@ -330,7 +321,8 @@ fn a_voltage_that_is_not_a_number_stops_the_run_and_is_named() {
     let builder = builder.element("S1", element("summer").cords("x1", ["u"])).record(["A1"]);
     let circuit = Circuit::new(&builder.build().unwrap(), &[]).unwrap();
     let program = Program::new(&circuit).unwrap();
-    let settings = RunSettings { duration: 2.0, step: 0.1, every: 0.1, ..RunSettings::of(&circuit).unwrap() };
+    let settings = RunSettings::of(&circuit).unwrap().lasting(2.0);
+    let settings = RunSettings { step: 0.1, every: 0.1, ..settings };
     let Err(Stopped { error: RunError::NotANumber { element, time }, trace }) =
         solve::run(&program, &settings)
     else {

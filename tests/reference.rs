@@ -26,7 +26,7 @@ fn trace(changes: &[(&str, f64)]) -> Trace {
     let changes: Vec<_> = changes.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
     let circuit = Circuit::new(&patch, &changes).unwrap_or_else(|report| panic!("{report}"));
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
-    let settings = RunSettings { duration: 0.2, ..RunSettings::of(&circuit).unwrap() };
+    let settings = RunSettings::of(&circuit).unwrap().lasting(0.2);
     solve::run(&program, &settings).unwrap()
 }
 

@@ -49,7 +49,8 @@ fn shipped_patches_run_without_overload() {
         let circuit = circuit(&patch);
         let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
         let own = RunSettings::of(&circuit).unwrap();
-        let settings = RunSettings { duration: own.duration.min(own.every.max(0.1)), repeat: 1, ..own };
+        let duration = own.duration().min(own.every.max(0.1));
+        let settings = own.lasting(duration);
         let trace = solve::run(&program, &settings).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(trace.overloads().count(), 0, "{}: {:?}", patch.file(), trace.sweeps);
     }

@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let patch = Patch::read(Path::new("patches/thesis/fig-8-16.json"))?;
     let circuit = Circuit::new(&patch, &[("VcL".to_owned(), 5.08e-3)])?;
     let program = Program::new(&circuit)?;
-    let settings = RunSettings { duration: 2.0, every: 2e-4, ..RunSettings::of(&circuit)? };
+    let settings = RunSettings { every: 2e-4, ..RunSettings::of(&circuit)?.lasting(2.0) };
     let trace = solve::run(&program, &settings)?;
 
     for reading in instruments::readings(&trace) {

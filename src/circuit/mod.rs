@@ -3,6 +3,7 @@
 mod inventory;
 mod loops;
 mod names;
+mod phases;
 mod resolve;
 mod scaling;
 mod scope;
@@ -23,6 +24,7 @@ use crate::patch::{
 
 pub use scaling::ScalingRow;
 pub use scope::Quantities;
+pub(crate) use scope::TIME_SCALE;
 
 /// A patch that can be run: every input driven, units and inventory in order, loops known.
 #[derive(Debug)]

@@ -6,6 +6,9 @@ use super::scope::TIME_SCALE;
 use crate::elements::REFERENCES;
 use crate::patch::{Callee, Code, Diagnostic, Patch, Placed, Span, suggestion};
 
+/// Columns of the recorded table that are no signals.
+const COLUMNS: [&str; 3] = ["t", "run", "phase"];
+
 /// Where this much is wrong, names are no longer held against all that are known to guess what was meant.
 const MOST_GUESSED: usize = 50;
 
@@ -87,7 +90,7 @@ fn quantity_name(name: &str, span: Span, noun: &str, findings: &mut Vec<Diagnost
 fn outlet_name(name: &str, span: Span, noun: &str, findings: &mut Vec<Diagnostic>) {
     let plain = name.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c));
     let starts = name.starts_with(char::is_alphabetic);
-    let reserved = name == "t" || name == "run" || REFERENCES.iter().any(|(reference, _)| *reference == name);
+    let reserved = COLUMNS.contains(&name) || REFERENCES.iter().any(|(reference, _)| *reference == name);
     if starts && plain && !reserved {
         return;
     }

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::names::{found_or_told, sorted};
 use super::scope::Quantities;
-use super::{Circuit, Cord, Element, inventory, loops, names, settings, signals};
+use super::{Circuit, Cord, Element, inventory, loops, names, phases, settings, signals};
 use crate::elements::{Input, Jacks, Kind, REFERENCE, REFERENCES, Transfer, gain_of};
 use crate::machines::{self, Machine};
 use crate::patch::{
@@ -23,6 +23,7 @@ pub(super) fn circuit(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
     let cords = if any_error(&findings) { settings::Cords::Doubtful } else { settings::Cords::Known };
     settings::check(patch, &quantities, &graph, cords, &mut findings);
     let used = inventory::check(patch, machine, &mut findings);
+    phases::check(patch, &quantities, &mut findings);
     let (points, record) = signals::resolve(patch, &graph, &mut findings);
     let stages = loops::stages(&graph, &mut findings);
     // An element that nothing reads is often the other end of what was just reported.
@@ -255,8 +256,8 @@ fn gains(machine: &Machine, kind: &Kind) -> &'static [f64] {
 fn unused(patch: &Patch, graph: &Graph, findings: &mut Vec<Diagnostic>) {
     let read_at = patch.signals.values().map(|signal| &signal.at);
     let drawn = patch.pictures.iter().flat_map(|picture| picture.y.iter().chain([&picture.x]));
-    let named: HashSet<&str> =
-        read_at.chain(&patch.record).chain(drawn).map(|name| name.value.as_str()).collect();
+    let named = read_at.chain(&patch.record).chain(drawn).map(|name| name.value.as_str());
+    let named: HashSet<&str> = named.chain(phases::relays(patch)).collect();
     for index in graph.node_indices() {
         let element = &graph[index];
         let Some(span) = element.span else { continue };

@@ -186,12 +186,26 @@ impl Quantities {
         wanted: &str,
         findings: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
+        self.fitting(placed, self, fits, wanted, findings)?;
+        let value = placed.value.evaluate(self);
+        value.map_err(|error| findings.push(in_formula(Code::BadFormula, placed, error))).ok()
+    }
+
+    /// Whether a formula's unit is fit, with the names that `scope` knows.
+    pub(super) fn fitting(
+        &self,
+        placed: &Placed<Formula>,
+        scope: &dyn Scope,
+        fits: impl Fn(Dimension) -> bool,
+        wanted: &str,
+        findings: &mut Vec<Diagnostic>,
+    ) -> Option<()> {
         let formula = &placed.value;
         if self.names_unknown_value(formula) {
             return None;
         }
-        let measured = formula.dimension(self);
-        let measure = measured.map_err(|error| findings.push(self.misfit(placed, error))).ok()?;
+        let measured = formula.dimension(scope);
+        let measure = measured.map_err(|error| findings.push(misfit(placed, scope, error))).ok()?;
         if let FormulaMeasure::Of(found) = measure
             && !fits(found)
         {
@@ -200,19 +214,7 @@ impl Quantities {
             findings.push(Diagnostic::at(Code::UnitMismatch, placed.span, message).maybe_hint(hint));
             return None;
         }
-        let value = formula.evaluate(self);
-        value.map_err(|error| findings.push(in_formula(Code::BadFormula, placed, error))).ok()
-    }
-
-    /// A formula whose unit cannot be told: it names something unknown, or its units do not agree.
-    fn misfit(&self, placed: &Placed<Formula>, error: FormulaError) -> Diagnostic {
-        let guilty = placed.value.text().get(error.range.clone()).unwrap_or_default();
-        let is_name = placed.value.names().contains(&guilty) && self.dimension(guilty).is_none();
-        if !is_name {
-            return in_formula(Code::UnitMismatch, placed, error);
-        }
-        let hint = error.hint.clone().or_else(|| suggestion(guilty, &self.names()));
-        in_formula(Code::UnknownName, placed, error).maybe_hint(hint)
+        Some(())
     }
 
     /// What to divide by to be left with a pure number: a scale, or a parameter that the formula does not name.
@@ -246,6 +248,17 @@ impl Quantities {
 
 fn measured_in(dimension: Dimension) -> String {
     if dimension.is_none() { "is a pure number".to_owned() } else { format!("is in {dimension}") }
+}
+
+/// A formula whose unit cannot be told: it names something unknown, or its units do not agree.
+fn misfit(placed: &Placed<Formula>, scope: &dyn Scope, error: FormulaError) -> Diagnostic {
+    let guilty = placed.value.text().get(error.range.clone()).unwrap_or_default();
+    let is_name = placed.value.names().contains(&guilty) && scope.dimension(guilty).is_none();
+    if !is_name {
+        return in_formula(Code::UnitMismatch, placed, error);
+    }
+    let hint = error.hint.clone().or_else(|| suggestion(guilty, &scope.names()));
+    in_formula(Code::UnknownName, placed, error).maybe_hint(hint)
 }
 
 /// A formula's own error, at its place in the document. Only a formula in quotes can have one.

@@ -9,6 +9,7 @@ mod load;
 mod machines;
 mod man;
 mod new;
+mod phases;
 mod progress;
 mod run;
 mod table;

@@ -6,11 +6,13 @@ use serde_json::{Value, json};
 use super::failure::{Failure, plural};
 use super::files::{FileArguments, Files};
 use super::load::{Loaded, PatchArguments, parameter_line, parameters_json};
+use super::phases::{phase_told, phases_json, phases_told};
 use super::progress::Progress;
 use super::table::Table;
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{self, Display, Reading};
+use patchcord::patch::{Placed, RunPlan, Span};
 use patchcord::program::Program;
 use patchcord::solve::{self, RunError, RunSettings, Stopped, TimeSetting};
 use patchcord::trace::{Overload, Trace};
@@ -19,7 +21,7 @@ use patchcord::trace::{Overload, Trace};
 pub(super) struct Arguments {
     #[command(flatten)]
     patch: PatchArguments,
-    /// How long to run, in problem seconds
+    /// How long to run, in problem seconds: one initial condition and operate, whatever phases the patch has
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     duration: Option<f64>,
     /// Step of the solver, in problem seconds
@@ -73,12 +75,13 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
         return say_json(&document(&circuit, &settings, &trace, &files));
     }
     say(&readings_table(&circuit, &trace))?;
+    say(&phases_told(&trace))?;
     say(&format!("\n{}{}", work_told(&trace), overloads_told(&trace)))?;
     say(&files.told())
 }
 
 fn watched(program: &Program, settings: &RunSettings) -> Result<Trace, Box<Stopped>> {
-    let mut progress = Progress::new(settings.duration * settings.repeat as f64);
+    let mut progress = Progress::new(settings.whole());
     let outcome = solve::run_watched(program, settings, &mut |time| {
         if let Some(progress) = &mut progress {
             progress.step(time);
@@ -89,19 +92,32 @@ fn watched(program: &Program, settings: &RunSettings) -> Result<Trace, Box<Stopp
 
 impl Arguments {
     fn settings(&self, circuit: &Circuit) -> Result<RunSettings, Failure> {
-        let mut plan = circuit.run_plan().clone();
-        let given = |value| patchcord::patch::Placed { value, span: patchcord::patch::Span::default() };
-        plan.duration = self.duration.map(given).or(plan.duration);
-        plan.step = self.step.map(given).or(plan.step);
-        plan.every = self.every.map(given).or(plan.every);
-        plan.repeat = self.repeat.map(|times| given(f64::from(times))).or(plan.repeat);
-        plan.hold_on_overload |= self.hold_on_overload;
+        let plan = self.plan(circuit.run_plan())?;
         let mut settings = RunSettings::new(&plan, circuit).map_err(|error| self.refused(&error))?;
         if !self.record.is_empty() {
             settings.record = self.recorded(circuit)?;
         }
         settings.check().map_err(|error| self.refused(&error))?;
         Ok(settings)
+    }
+
+    /// The patch's plan with what the options change in it.
+    fn plan(&self, patch: &RunPlan) -> Result<RunPlan, Failure> {
+        let mut plan = patch.clone();
+        if self.duration.is_some() {
+            plan.phases.clear();
+        } else if self.repeat.is_some() && !plan.phases.is_empty() {
+            let message = "the patch's run is a list of phases, which --repeat cannot repeat: write \
+                           {\"repeat\": times, \"phases\": [...]} there, or give --for as well to run without them";
+            return Err(Failure::usage(message));
+        }
+        let given = |value| Placed { value, span: Span::default() };
+        plan.duration = self.duration.map(given).or(plan.duration);
+        plan.step = self.step.map(given).or(plan.step);
+        plan.every = self.every.map(given).or(plan.every);
+        plan.repeat = self.repeat.map(|times| given(f64::from(times))).or(plan.repeat);
+        plan.hold_on_overload |= self.hold_on_overload;
+        Ok(plan)
     }
 
     /// What the error says, and which option helps. Who gave options is asked to give others.
@@ -130,8 +146,10 @@ impl Arguments {
     /// Writes what was recorded before the run stopped, and tells why it did.
     fn stopped(&self, stopped: Stopped, files: &Files, circuit: &Circuit) -> Failure {
         let Some(last) = stopped.trace.time.last() else { return self.refused(&stopped.error) };
+        let place = phase_told(&stopped.trace);
         let failure = |more: &str| {
-            Failure::data(format!("{}{more}", stopped.error)).with("code", stopped.error.code().into())
+            let message = format!("{place}{}{more}", stopped.error);
+            Failure::data(message).with("code", stopped.error.code().into())
         };
         if files.paths().next().is_none() {
             return failure("");
@@ -237,10 +255,10 @@ fn document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files: &Fi
         "diagnostics": circuit.warnings().to_json(),
         "parameters": parameters_json(circuit),
         "run": {
-            "for": settings.duration,
+            "for": settings.duration(),
             "step": settings.step,
             "every": settings.every,
-            "repeat": settings.repeat,
+            "repeat": trace.sweeps.len(),
             "hold_on_overload": settings.hold_on_overload,
         },
         "samples": trace.len(),
@@ -252,6 +270,7 @@ fn document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files: &Fi
             "held": sweep.held,
             "overloads": sweep.overloads.iter().map(overload_json).collect::<Value>(),
         })).collect::<Value>(),
+        "phases": phases_json(trace),
         "files": files.json(),
     })
 }

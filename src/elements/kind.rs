@@ -31,6 +31,9 @@ pub struct Kind {
     pub ordered: &'static [(&'static str, &'static str)],
     /// Settings of which the second must not lie below the first nor above the third, as far as these are set.
     pub bounded: &'static [(&'static str, &'static str, &'static str)],
+    /// The positions between which it switches, by the values 0, 1, ... of its first mode; a phase of a run may
+    /// wait for them.
+    pub positions: &'static [&'static str],
     /// The parts of a machine that it is made of.
     pub parts: &'static [Takes],
     /// Whether its output is an amplifier's: stops at ±100 V and lights a lamp.
@@ -254,6 +257,7 @@ impl Kind {
         settings: &[],
         ordered: &[],
         bounded: &[],
+        positions: &[],
         parts: &[],
         output: Output::Passive,
         transfer: Transfer::Other,

@@ -32,6 +32,7 @@ pub(super) static KIND: Kind = Kind {
         ),
     ],
     ordered: &[("drop_out", "pull_in")],
+    positions: &["released", "pulled-in"],
     parts: &[Takes::always(Part::Relay, 1)],
     output_law,
     memory_law: Some(memory_law),

@@ -1,12 +1,14 @@
 //! Instruments: what can be read from a trace.
 
 mod harmonic;
+mod log;
 mod quantity;
 mod ringing;
 mod scope;
 mod voltmeter;
 
 pub use harmonic::{Harmonic, HarmonicError, harmonic};
+pub use log::{deed, ending, missed};
 pub use quantity::Display;
 pub use ringing::{Ringing, RingingError, ringing};
 pub use scope::{ScopeError, picture};

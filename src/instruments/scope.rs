@@ -1,9 +1,11 @@
 //! The storage oscilloscope: Y-t and X-Y pictures of a trace.
 
-use super::Display;
+use std::collections::HashSet;
+
+use super::{Display, deed};
 use crate::patch::PictureSpec;
-use crate::plot::{Axis, Channel, Picture};
-use crate::trace::{Trace, Track};
+use crate::plot::{Axis, Channel, Mark, Picture};
+use crate::trace::{Deed, Mark as Phase, Trace, Track};
 
 /// Why a picture cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -74,7 +76,39 @@ pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<String>) -> Resul
         vertical,
         vertical_right: second.map(|(axis, _)| axis),
         note,
+        marks: marks(trace, &along, &across),
     })
+}
+
+/// Against time: where phases begin within the runs. What begins together has one mark, and what happens at the
+/// same place in several runs too.
+fn marks(trace: &Trace, along: &Quantity<'_>, across: &Display) -> Vec<Mark> {
+    if along.name != "t" {
+        return Vec::new();
+    }
+    let at_once = |one: &Phase, next: &Phase| one.sweep == next.sweep && one.begin == next.begin;
+    let is_within = |phase: &Phase| {
+        let end = trace.sweeps.get(phase.sweep).map_or(0.0, |sweep| sweep.end);
+        phase.begin > 0.0 && phase.begin < end
+    };
+    let mut seen = HashSet::new();
+    let together = trace.marks.chunk_by(at_once).filter(|together| is_within(&together[0]));
+    let marks = together.map(|together| {
+        let told: Vec<_> = together.iter().map(label).collect();
+        (across.value(together[0].begin), told.join(", "))
+    });
+    marks
+        .filter(|(at, label)| seen.insert((at.to_bits(), label.clone())))
+        .map(|(at, label)| Mark { at, label })
+        .collect()
+}
+
+/// What a phase is called on the screen: of operating the first word.
+fn label(phase: &Phase) -> String {
+    match phase.phase {
+        Deed::Operate { .. } => "operate".to_owned(),
+        _ => deed(phase),
+    }
 }
 
 fn title(spec: &PictureSpec) -> String {
@@ -126,6 +160,7 @@ mod tests {
             time: vec![0.0, 1.0, 2.0, 0.0, 1.0, 2.0],
             tracks: vec![track("v", "m/s"), track("w", "m/s"), track("F", "N"), track("p", "Pa")],
             sweeps: vec![Sweep::default(), Sweep { first: 3, ..Sweep::default() }],
+            marks: Vec::new(),
         }
     }
 

@@ -84,6 +84,15 @@ impl PatchBuilder {
         self
     }
 
+    /// A picture, beside those that there are: signals against a signal, or against "t".
+    pub fn picture<const N: usize>(mut self, title: &str, x: &str, y: [&str; N]) -> Self {
+        let pictures = self.document.entry("pictures").or_insert_with(|| json!([]));
+        if let Value::Array(pictures) = pictures {
+            pictures.push(json!({"title": title, "x": x, "y": y.to_vec()}));
+        }
+        self
+    }
+
     /// The patch.
     ///
     /// # Errors

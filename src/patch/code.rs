@@ -49,6 +49,8 @@ codes! {
         "take it out, or keep what it says in a \"note\"";
     DuplicateKey "duplicate-key" Error "The same key stands twice in one object."
         "keep one of the two";
+    ExcludingKeys "excluding-keys" Error "Two keys that exclude each other."
+        "keep one of the two";
     UnknownVersion "unknown-version" Error "The format's version is not one that this program reads."
         "use a program that reads this version";
     UnknownKind "unknown-kind" Error "An element or drive of a kind that does not exist."
@@ -97,6 +99,10 @@ codes! {
         "name a signal at it, with a scale";
     UnusedElement "unused-element" Warning "An element that nothing reads."
         "read it somewhere, or leave it out";
+    NotARelay "not-a-relay" Error "A phase of a run waits for an element that does not switch."
+        "name a relay";
+    ScaleInRun "scale-in-run" Error "A phase of a run sets a parameter on which a scale depends."
+        "give the scale as a number: what is recorded is read in one scale from beginning to end";
     LoopWithoutSolution "loop-without-solution" Error "A loop without an integrator that no set of voltages satisfies."
         "put an integrator or a lag into the loop";
     LoopWithSolutions "loop-with-solutions" Error "A loop without an integrator that several sets of voltages satisfy."

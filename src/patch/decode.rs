@@ -6,9 +6,10 @@ use indexmap::IndexMap;
 
 use super::code::Code;
 use super::decode_entry::entry;
-use super::diagnostic::{Diagnostic, Span, told};
-use super::document::{FORMAT_VERSION, Parameter, Patch, PictureSpec, Placed, RunPlan, Scale, Signal};
-use super::fields::{Fields, Findings, flag, list, number, word, words, wrong_type};
+use super::decode_run::run;
+use super::diagnostic::{Diagnostic, Span};
+use super::document::{FORMAT_VERSION, Parameter, Patch, PictureSpec, Placed, Scale, Signal};
+use super::fields::{Fields, Findings, list, number, positive, word, words, wrong_type};
 use super::formula::Formula;
 use super::tree::{self, Content, Node};
 use super::units::{Unit, nearest};
@@ -171,55 +172,6 @@ fn factor(node: &Node, findings: &mut Findings) -> Option<f64> {
         findings.push(Diagnostic::at(Code::BadNumber, node.span, "a signal times 0 shows nothing"));
     }
     Some(factor)
-}
-
-fn run(node: &Node, findings: &mut Findings) -> RunPlan {
-    let Some(mut fields) = Fields::of(node, "\"run\"", findings) else { return RunPlan::default() };
-    let plan = RunPlan {
-        duration: positive(&mut fields, "for", findings),
-        step: positive(&mut fields, "step", findings),
-        every: positive(&mut fields, "every", findings),
-        repeat: positive(&mut fields, "repeat", findings),
-        hold_on_overload: fields
-            .take("hold_on_overload")
-            .and_then(|node| flag(node, "hold_on_overload", findings))
-            .unwrap_or(false),
-    };
-    if let Some(repeat) = plan.repeat.as_ref().filter(|repeat| repeat.value.fract() != 0.0) {
-        findings.push(Diagnostic::at(Code::BadNumber, repeat.span, "\"repeat\" is a whole number of runs"));
-    }
-    for (key, time) in [("step", &plan.step), ("every", &plan.every)] {
-        shorter_than_run(key, time, &plan.duration, findings);
-    }
-    fields.text("note", findings);
-    fields.finish(findings);
-    plan
-}
-
-fn shorter_than_run(
-    key: &str,
-    time: &Option<Placed<f64>>,
-    duration: &Option<Placed<f64>>,
-    findings: &mut Findings,
-) {
-    if let (Some(time), Some(duration)) = (time, duration)
-        && time.value > duration.value
-    {
-        let message =
-            format!("\"{key}\" is {} s, longer than the run of {} s", told(time.value), told(duration.value));
-        findings.push(Diagnostic::at(Code::BadNumber, time.span, message));
-    }
-}
-
-fn positive(fields: &mut Fields<'_>, key: &'static str, findings: &mut Findings) -> Option<Placed<f64>> {
-    let node = fields.take(key)?;
-    let value = number(node, key, findings)?;
-    if value <= 0.0 {
-        let message = format!("\"{key}\" must be above 0, not {value}");
-        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
-        return None;
-    }
-    Some(Placed { value, span: node.span })
 }
 
 fn pictures(node: &Node, findings: &mut Findings) -> Vec<PictureSpec> {

@@ -12,6 +12,7 @@ use super::code::Code;
 use super::decode;
 use super::diagnostic::{Diagnostic, Report, Span};
 use super::formula::Formula;
+use super::phase::Phase;
 use super::tree;
 use super::units::Unit;
 use crate::elements::Kind;
@@ -118,16 +119,30 @@ pub struct Signal {
 /// How long and how finely to run, in problem seconds.
 #[derive(Debug, Clone, Default)]
 pub struct RunPlan {
-    /// Length of the run.
+    /// Length of the run, where it has no phases: one initial condition, and operate.
     pub duration: Option<Placed<f64>>,
     /// Step of the solver.
     pub step: Option<Placed<f64>>,
     /// Time between recorded samples; the step where absent.
     pub every: Option<Placed<f64>>,
-    /// How many times to run from initial condition (repetitive operation).
+    /// How many times to run from initial condition (repetitive operation), where it has no phases.
     pub repeat: Option<Placed<f64>>,
     /// Whether the machine goes into hold when a lamp lights.
     pub hold_on_overload: bool,
+    /// The phases of the run, instead of a length.
+    pub phases: Vec<Phase>,
+}
+
+impl RunPlan {
+    /// What is done in the run; `None` where the plan does not say.
+    pub fn all_phases(&self) -> Option<Vec<Phase>> {
+        if !self.phases.is_empty() {
+            return Some(self.phases.clone());
+        }
+        let once = vec![Phase::InitialCondition, Phase::operate(self.duration.as_ref()?.value)];
+        let times = self.repeat.as_ref().map_or(1, |repeat| repeat.value as u64);
+        Some(if times == 1 { once } else { vec![Phase::Repeat { times, phases: once }] })
+    }
 }
 
 /// A scope picture asked for by the patch.

@@ -41,6 +41,22 @@ pub(super) fn word(node: &Node, key: &str, findings: &mut Findings) -> Option<Pl
     Some(Placed { value: text.clone(), span: node.span })
 }
 
+/// A number above 0 under a key.
+pub(super) fn positive(
+    fields: &mut Fields<'_>,
+    key: &'static str,
+    findings: &mut Findings,
+) -> Option<Placed<f64>> {
+    let node = fields.take(key)?;
+    let value = number(node, key, findings)?;
+    if value <= 0.0 {
+        let message = format!("\"{key}\" must be above 0, not {value}");
+        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+        return None;
+    }
+    Some(Placed { value, span: node.span })
+}
+
 /// One text, or a list of texts.
 pub(super) fn words(node: &Node, key: &str, findings: &mut Findings) -> Vec<Placed<String>> {
     match &node.value {

@@ -5,11 +5,13 @@ mod code;
 mod decode;
 mod decode_curve;
 mod decode_entry;
+mod decode_run;
 mod diagnostic;
 mod document;
 mod fields;
 mod formula;
 mod function;
+mod phase;
 mod places;
 mod schema;
 mod tree;
@@ -27,6 +29,8 @@ pub use formula::{
     Callee, Expression, Formula, FormulaError, Measure as FormulaMeasure, Node, Operator, Scope,
 };
 pub use function::Function;
+pub(crate) use phase::Extent;
+pub use phase::{Change, Phase, Until};
 pub use schema::json_schema;
 pub use units::{Dimension, Unit, UnitError, engineering};
 

@@ -32,7 +32,7 @@ pub fn json_schema() -> Value {
             "record": names("signals, drives or elements to record"),
             "pictures": {"type": "array", "items": picture()},
         },
-        "$defs": {"formula": formula(), "cords": cords()},
+        "$defs": {"formula": formula(), "cords": cords(), "phases": phases()},
     })
 }
 
@@ -115,9 +115,52 @@ fn run() -> Value {
             "every": time,
             "repeat": {"type": "integer", "minimum": 1, "description": "runs from initial condition"},
             "hold_on_overload": {"type": "boolean"},
+            "phases": {"$ref": "#/$defs/phases"},
             "note": text("anything else"),
         }),
     )
+}
+
+fn phases() -> Value {
+    let time = json!({"type": "number", "exclusiveMinimum": 0, "description": "problem seconds"});
+    let set = json!({
+        "type": "object",
+        "minProperties": 1,
+        "additionalProperties": {"$ref": "#/$defs/formula"},
+        "description": "parameters, and what they are set to: in formulas signals may stand too",
+    });
+    let times = json!({"type": "integer", "minimum": 1, "description": "how many times"});
+    let one_of = [
+        phase("initial_condition", json!({"const": true}), &[]),
+        phase("operate", time.clone(), &[("until", until())]),
+        phase("hold", time, &[]),
+        phase("set", set, &[]),
+        phase("repeat", times, &[("phases", json!({"$ref": "#/$defs/phases"}))]),
+    ];
+    json!({
+        "type": "array",
+        "minItems": 1,
+        "items": {"oneOf": one_of},
+        "description": "what is done in the run, one after the other",
+    })
+}
+
+fn phase(deed: &str, value: Value, others: &[(&str, Value)]) -> Value {
+    let mut properties = Map::from_iter([(deed.to_owned(), value)]);
+    properties.extend(others.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
+    properties.insert("note".into(), text("anything else"));
+    let required: &[&str] = if deed == "repeat" { &["repeat", "phases"] } else { &[deed] };
+    object(required, Value::Object(properties))
+}
+
+fn until() -> Value {
+    let positions: Vec<_> = REGISTRY.iter().flat_map(|kind| kind.positions).collect();
+    let relay = text("the relay that ends the phase");
+    let becomes = json!({"enum": positions, "description": "the position that it must go to"});
+    json!({
+        "description": "the switching that ends the phase before its time",
+        "oneOf": [{"type": "string"}, object(&["relay"], json!({"relay": relay, "becomes": becomes}))],
+    })
 }
 
 fn picture() -> Value {

@@ -7,6 +7,7 @@ pub(super) const CENTRE: RGBColor = RGBColor(160, 169, 180);
 pub(super) const BORDER: RGBColor = RGBColor(74, 85, 96);
 pub(super) const TEXT: RGBColor = RGBColor(28, 32, 38);
 pub(super) const NOTE: RGBColor = RGBColor(90, 98, 108);
+pub(super) const MARK: RGBColor = RGBColor(132, 140, 152);
 
 /// Neighbours differ in hue to colour-blind eyes and in lightness on grey paper.
 const TRACES: [RGBColor; 6] = [

@@ -15,6 +15,17 @@ pub struct Picture {
     pub channels: Vec<Channel>,
     /// One line under the title, such as the settings of the run.
     pub note: Option<String>,
+    /// Places along the foot at which something happened, drawn as thin upright lines with labels.
+    pub marks: Vec<Mark>,
+}
+
+/// A place along the foot of the screen at which something happened.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// Where, in the unit of the horizontal axis.
+    pub at: f64,
+    /// What, in few words; left out where there is no room for it.
+    pub label: String,
 }
 
 /// One trace on the screen.

@@ -93,6 +93,7 @@ mod tests {
             vertical_right: None,
             channels,
             note: Some("100 ms/div".to_owned()),
+            marks: vec![],
         }
     }
 

@@ -109,6 +109,7 @@ mod tests {
             vertical_right: None,
             channels: vec![Channel { name: String::new(), points, right: false, breaks }],
             note: None,
+            marks: vec![],
         };
         lines(&picture, &picture.channels[0], SCREEN, 1.0)
     }

@@ -7,7 +7,7 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::evaluate::Scratch;
 use super::loops::{LoopFault, Solutions};
-use super::{Loop, Program, Sources};
+use super::{Loop, Program, Sources, rehearsal};
 use crate::circuit::Circuit;
 use crate::elements::Output;
 use crate::patch::{Code, Diagnostic, Report, told};
@@ -32,7 +32,8 @@ fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
     let rest = at_rest(program, &parameters, &coefficients);
     let loops =
         rest.faults.iter().map(|fault| diagnostic(circuit, &program.loops[fault.index], fault.solutions));
-    loops.chain(rest.restless.and_then(|element| restless(circuit, program, element))).collect()
+    let restless = rest.restless.and_then(|element| restless(circuit, program, element));
+    loops.chain(restless).chain(rehearsal::findings(circuit, program)).collect()
 }
 
 /// What is found in initial condition.

@@ -2,11 +2,12 @@
 
 use std::collections::HashMap;
 
-use super::{Lamp, Loop, ModeHandle, Op, Outlet, ParameterSlot, Probe, Program, Register};
+use super::standing::ScaleSlot;
+use super::{Lamp, Loop, ModeHandle, Op, Outlet, ParameterSlot, Probe, Program, Register, Switch};
 use crate::circuit::{Circuit, Stage};
 use crate::elements::Output;
 use crate::machines::REFERENCE;
-use crate::patch::Report;
+use crate::patch::{Dimension, Report};
 
 impl Program {
     /// Flattens a checked circuit, and solves its loops once in initial condition.
@@ -19,6 +20,8 @@ impl Program {
         lowering.outputs();
         lowering.memories();
         lowering.signals();
+        lowering.scales();
+        lowering.switches();
         super::check::check(circuit, &lowering.program)?;
         Ok(lowering.program)
     }
@@ -48,10 +51,13 @@ impl<'c> Lowering<'c> {
             value: value * parameter.unit.factor(),
             per_unit: parameter.unit.factor(),
             range: parameter.range,
+            unit: parameter.unit.text().to_owned(),
+            dimension: parameter.unit.dimension(),
         });
         let program = Program {
             parameters: parameters.collect(),
             readers: circuit.all_readers(),
+            time_scale: circuit.time_scale(),
             ..Program::default()
         };
         Lowering {
@@ -133,6 +139,7 @@ impl<'c> Lowering<'c> {
             let per_volt =
                 signal.scale.map(|scale| self.signal_coefficient(&signal.name, scale, signal.factor));
             let (unit, per_unit) = self.circuit.signal_unit(signal);
+            let dimension = signal.scale.map(|scale| self.circuit.scale_unit(scale).dimension());
             let register = self.outputs[signal.element].expect("outputs come before signals");
             self.program.signals.push(Probe {
                 name: signal.name.clone(),
@@ -140,7 +147,27 @@ impl<'c> Lowering<'c> {
                 per_volt,
                 unit,
                 per_unit,
+                dimension: dimension.unwrap_or(Dimension::VOLTAGE),
+                is_named: self.circuit.patch().signals.contains_key(&signal.name),
             });
+        }
+    }
+
+    /// The scales, as the formulas of a run read them.
+    fn scales(&mut self) {
+        for (index, (name, scale)) in self.circuit.patch().scales.iter().enumerate() {
+            let per_volt = self.scale_coefficient(index);
+            let slot = ScaleSlot { name: name.clone(), per_volt, dimension: scale.unit.dimension() };
+            self.program.scales.push(slot);
+        }
+    }
+
+    fn switches(&mut self) {
+        for (element, entry) in self.circuit.elements().iter().enumerate() {
+            let positions = entry.kind.positions;
+            if let Some(mode) = self.own_mode.get(&element).filter(|_| !positions.is_empty()) {
+                self.program.switches.push(Switch { element, mode: mode.index as usize, positions });
+            }
         }
     }
 

@@ -14,6 +14,8 @@ mod op;
 mod piece;
 mod prologue;
 mod range;
+mod rehearsal;
+mod standing;
 mod vocabulary;
 
 pub use linearise::Linearisation;
@@ -25,9 +27,12 @@ pub(crate) use check::tell;
 pub(crate) use evaluate::Scratch;
 pub(crate) use loops::LoopFault;
 pub(crate) use op::Sources;
+pub(crate) use standing::Standing;
+
+use standing::ScaleSlot;
 
 use crate::machines::REFERENCE;
-use crate::patch::Span;
+use crate::patch::{Dimension, Span};
 
 /// A circuit as operations. Made by [`Program::new`]; run by [`crate::solve::Machine`].
 #[derive(Debug, Clone, Default)]
@@ -47,6 +52,11 @@ pub struct Program {
     pub(crate) loops: Vec<Loop>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) signals: Vec<Probe>,
+    pub(crate) scales: Vec<ScaleSlot>,
+    /// The elements that switch between positions.
+    pub(crate) switches: Vec<Switch>,
+    /// Machine seconds per problem second.
+    pub(crate) time_scale: f64,
     /// The elements in the order in which they are worked out.
     pub(crate) order: Vec<usize>,
     /// For every element, those that read it.
@@ -64,6 +74,9 @@ pub struct ParameterSlot {
     pub per_unit: f64,
     /// Least and largest value allowed, in the declared unit.
     pub range: Option<(f64, f64)>,
+    /// Text of the declared unit.
+    pub unit: String,
+    pub(crate) dimension: Dimension,
 }
 
 /// A number that the prologue works out for the body.
@@ -240,6 +253,18 @@ pub struct Probe {
     pub unit: String,
     /// What that unit is in SI.
     pub(crate) per_unit: f64,
+    pub(crate) dimension: Dimension,
+    /// Whether it stands among the patch's signals: not a bare element or drive.
+    pub(crate) is_named: bool,
+}
+
+/// An element that switches between positions.
+#[derive(Debug, Clone)]
+pub(crate) struct Switch {
+    pub element: usize,
+    /// Index of the mode whose value counts the positions.
+    pub mode: usize,
+    pub positions: &'static [&'static str],
 }
 
 /// The demanded output, in volts, above which a lamp lights: 1e-6 above the reference.
@@ -290,6 +315,21 @@ impl Program {
     /// Index of an element, drive or reference by name.
     pub(crate) fn element(&self, name: &str) -> Option<usize> {
         self.elements.iter().position(|outlet| outlet.name == name)
+    }
+
+    /// Index of a parameter by name.
+    pub(crate) fn parameter(&self, name: &str) -> Option<usize> {
+        self.parameters.iter().position(|slot| slot.name == name)
+    }
+
+    /// A scale by name.
+    pub(crate) fn scale(&self, name: &str) -> Option<&ScaleSlot> {
+        self.scales.iter().find(|slot| slot.name == name)
+    }
+
+    /// One of the patch's signals by name.
+    pub(crate) fn signal(&self, name: &str) -> Option<&Probe> {
+        self.signals.iter().find(|probe| probe.is_named && probe.name == name)
     }
 
     /// The parameters, in the order of the patch.

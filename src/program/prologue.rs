@@ -16,6 +16,14 @@ impl Lowering<'_> {
         index
     }
 
+    pub(super) fn scale_coefficient(&mut self, scale: usize) -> u32 {
+        let register = self.scale(scale);
+        let label = format!("scale {} per volt", self.circuit.scale(scale).0);
+        let index = self.push_coefficient(register, label, (f64::MIN, f64::MAX));
+        self.program.coefficients[index as usize].span = Some(self.circuit.patch().scales[scale].span);
+        index
+    }
+
     pub(super) fn early(&mut self, op: Op) -> Register {
         self.program.prologue.push(op);
         Register(self.program.prologue.len() as u32 - 1)

@@ -76,6 +76,41 @@ pub enum RunError {
         /// Largest value allowed.
         high: f64,
     },
+    /// An element that a phase waits for and that does not switch.
+    #[error("{0} does not switch: a phase can wait for a relay only")]
+    NotARelay(String),
+    /// A position that a relay does not have.
+    #[error("{relay} does not become \"{position}\", but {known}")]
+    UnknownPosition {
+        /// The relay.
+        relay: String,
+        /// What was waited for.
+        position: String,
+        /// What it becomes.
+        known: String,
+    },
+    /// A parameter that cannot be set to what its formula says.
+    #[error("{parameter} cannot be set to {formula}: {message}")]
+    BadFormula {
+        /// The parameter.
+        parameter: String,
+        /// The formula as it was written.
+        formula: String,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// A parameter set within the run on which the scale of a recorded signal depends.
+    #[error("the scale of {signal} would change within its record")]
+    Rescaled {
+        /// The signal.
+        signal: String,
+    },
+    /// A run without a phase that takes time.
+    #[error("no phase of the run takes any time")]
+    NoTime,
+    /// A repetition of nothing, or no repetition.
+    #[error("a phase repeats nothing, or no times")]
+    EmptyRepeat,
     /// Times that a run cannot do without, and that nobody gave.
     #[error("the patch's \"run\" does not give {}", listed(.0))]
     Missing(Vec<TimeSetting>),
@@ -103,7 +138,7 @@ pub enum RunError {
     /// More steps than anybody will wait for.
     #[error("the run would take {steps} steps; at most {most} are allowed", steps = told(*steps), most = told(*most))]
     TooManySteps {
-        /// Steps of all its repetitions.
+        /// Steps of all its phases, repetitions counted.
         steps: f64,
         /// The limit.
         most: f64,
@@ -114,7 +149,7 @@ pub enum RunError {
         numbers = told(*numbers), most = told(*most)
     )]
     TooManyNumbers {
-        /// Samples of all its repetitions, times and signals.
+        /// Times and signals of every sample, and 16 for every phase, repetitions counted.
         numbers: f64,
         /// The limit.
         most: f64,
@@ -133,6 +168,12 @@ impl RunError {
             RunError::UnknownElement(_) => "unknown-element",
             RunError::UnknownSignal(_) => "unknown-signal",
             RunError::OutsideRange { .. } => "outside-range",
+            RunError::NotARelay(_) => "not-a-relay",
+            RunError::UnknownPosition { .. } => "unknown-position",
+            RunError::BadFormula { .. } => "bad-formula",
+            RunError::Rescaled { .. } => "scale-in-run",
+            RunError::NoTime => "no-time",
+            RunError::EmptyRepeat => "empty-repeat",
             RunError::Missing(_) => "missing-time",
             RunError::NotATime { .. } => "not-a-time",
             RunError::LongerThanRun { .. } => "longer-than-run",
@@ -145,8 +186,10 @@ impl RunError {
 /// The times that a run is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeSetting {
-    /// Length of the run.
+    /// Length of the run, or of a phase in which it operates.
     Duration,
+    /// Length of a hold.
+    Hold,
     /// Step of the solver.
     Step,
     /// Time between recorded samples.
@@ -154,10 +197,11 @@ pub enum TimeSetting {
 }
 
 impl TimeSetting {
-    /// Its key in the `run` of a patch.
+    /// Its key in the `run` of a patch, or in a phase.
     pub fn key(self) -> &'static str {
         match self {
             TimeSetting::Duration => "for",
+            TimeSetting::Hold => "hold",
             TimeSetting::Step => "step",
             TimeSetting::Every => "every",
         }
@@ -168,6 +212,7 @@ impl fmt::Display for TimeSetting {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             TimeSetting::Duration => "the length of the run",
+            TimeSetting::Hold => "the length of a hold",
             TimeSetting::Step => "the step",
             TimeSetting::Every => "the time between samples",
         })

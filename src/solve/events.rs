@@ -28,7 +28,7 @@ impl Machine<'_> {
                 self.check_now()?;
             }
             witness.arrival(self);
-            if self.time >= target {
+            if self.time >= target || witness.has_met() {
                 return Ok(());
             }
         }

@@ -10,16 +10,19 @@ impl Machine<'_> {
     /// # Errors
     /// When there is no such parameter, or a value or a setting leaves its range; nothing is changed then.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), RunError> {
-        let Some(index) = self.program.parameters.iter().position(|slot| slot.name == name) else {
-            return Err(RunError::UnknownParameter(name.to_owned()));
-        };
-        let slot = &self.program.parameters[index];
-        let (low, high) = slot.range.unwrap_or((f64::MIN, f64::MAX));
-        if !(low <= value && value <= high) {
-            return Err(RunError::OutsideRange { what: name.to_owned(), value, low, high });
-        }
+        self.set_all(&[(name, value)])
+    }
+
+    /// The same with several parameters at one instant.
+    ///
+    /// # Errors
+    /// Those of [`Machine::set`]; nothing is changed then.
+    pub fn set_all(&mut self, changes: &[(&str, f64)]) -> Result<(), RunError> {
         let mut parameters = self.parameters.clone();
-        parameters[index] = value * slot.per_unit;
+        for (name, value) in changes {
+            let (index, value) = self.in_si(name, *value)?;
+            parameters[index] = value;
+        }
         let coefficients = self.program.prepare(&parameters);
         if let Some((bad, value)) = self.program.first_bad(&coefficients) {
             let (low, high) = bad.range;
@@ -29,6 +32,18 @@ impl Machine<'_> {
             (machine.parameters, machine.coefficients) = (parameters, coefficients);
             machine.follow_coefficients()
         })
+    }
+
+    /// Index of a parameter, and a value of it in SI.
+    fn in_si(&self, name: &str, value: f64) -> Result<(usize, f64), RunError> {
+        let index =
+            self.program.parameter(name).ok_or_else(|| RunError::UnknownParameter(name.to_owned()))?;
+        let slot = &self.program.parameters[index];
+        let (low, high) = slot.range.unwrap_or((f64::MIN, f64::MAX));
+        if !(low <= value && value <= high) {
+            return Err(RunError::OutsideRange { what: name.to_owned(), value, low, high });
+        }
+        Ok((index, value * slot.per_unit))
     }
 
     /// Puts the output of an integrator at a voltage, as an operator does who overrides its initial

@@ -80,8 +80,12 @@ pub(super) trait Witness {
     fn stretch(&mut self, machine: &mut Machine<'_>);
     /// The end of a stretch, after the changes of mode that were due there.
     fn arrival(&mut self, machine: &Machine<'_>);
-    /// Whether the machine should go into hold.
+    /// Whether the machine should go into hold, at the end of a step.
     fn has_seen_enough(&self, machine: &Machine<'_>) -> bool;
+    /// Whether the machine should go into hold at this very instant.
+    fn has_met(&self) -> bool {
+        false
+    }
 }
 
 struct Nobody;
@@ -193,7 +197,7 @@ impl<'p> Machine<'p> {
 
     /// Goes into hold when the witness has seen enough.
     fn is_stopped_by(&mut self, witness: &impl Witness) -> bool {
-        if witness.has_seen_enough(self) {
+        if witness.has_met() || witness.has_seen_enough(self) {
             self.hold();
         }
         self.mode == MachineMode::Hold

@@ -8,10 +8,13 @@ mod grid;
 mod hands;
 mod machine;
 mod overload;
+mod player;
+mod recorder;
 mod rk4;
 mod run;
 mod watch;
 
+pub use crate::patch::{Change, Phase, Until};
 pub use crate::trace::{Overload, Work};
 pub use error::{RunError, Stopped, TimeSetting};
 pub use machine::{Machine, MachineMode};

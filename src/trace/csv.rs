@@ -11,7 +11,8 @@ pub struct CsvError(#[from] std::io::Error);
 
 impl Trace {
     /// Writes the trace: units in `#` comment lines, then the column `t` in seconds and a column a signal;
-    /// several sweeps are told apart by a last column `run`, from 1. Numbers read back to the same bits.
+    /// several sweeps are told apart by a column `run`, phases by a last column `phase`, both from 1. Numbers read
+    /// back to the same bits.
     ///
     /// # Errors
     /// When the writer refuses.
@@ -23,9 +24,12 @@ impl Trace {
         let mut writer = csv::Writer::from_writer(&mut to);
         let names = self.tracks.iter().map(|track| track.name.as_str());
         let run = (self.sweeps.len() > 1).then_some("run");
-        writer.write_record(["t"].into_iter().chain(names).chain(run)).map_err(into_io)?;
+        let phases = self.has_phases();
+        let phase = phases.then_some("phase");
+        writer.write_record(["t"].into_iter().chain(names).chain(run).chain(phase)).map_err(into_io)?;
         for sample in 0..self.len() {
-            writer.write_record(self.row(sample)).map_err(into_io)?;
+            let phase = phases.then(|| (self.phase_of(sample) + 1).to_string());
+            writer.write_record(self.row(sample).chain(phase)).map_err(into_io)?;
         }
         writer.flush()?;
         Ok(())

@@ -1,20 +1,25 @@
 //! The trace: what was recorded, in volts, with scales to physical units and the overload history.
 
 mod csv;
+mod mark;
 mod track;
 
 pub use self::csv::CsvError;
+pub use self::mark::{Deed, Ending, Mark, NewValue};
 pub use self::track::{Course, Moment, Track};
 
 /// A recorded run, or several of them one after the other (repetitive operation).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Trace {
-    /// Problem time of every sample, in seconds; begins anew at 0 with every sweep.
+    /// Time of every sample by the recorder's clock, in seconds: problem time and what was held until then. Begins
+    /// anew at 0 with every sweep. All times of a trace are by this clock.
     pub time: Vec<f64>,
     /// The recorded signals.
     pub tracks: Vec<Track>,
     /// The runs that make up the trace.
     pub sweeps: Vec<Sweep>,
+    /// The phases of the runs, in their order.
+    pub marks: Vec<Mark>,
 }
 
 /// One run from initial condition.
@@ -22,7 +27,7 @@ pub struct Trace {
 pub struct Sweep {
     /// Index of its first sample.
     pub first: usize,
-    /// When it ended, in problem seconds.
+    /// When it ended, in seconds.
     pub end: f64,
     /// What it took.
     pub work: Work,
@@ -46,7 +51,7 @@ pub struct Work {
 pub struct Overload {
     /// The amplifier.
     pub element: String,
-    /// When it was first asked for more than 100 V, in problem seconds.
+    /// When it was first asked for more than 100 V, in seconds.
     pub time: f64,
     /// The largest voltage, without sign, that it was asked for.
     pub peak: f64,

@@ -31,7 +31,7 @@ pub struct Course {
 /// A voltage at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
-    /// In problem seconds.
+    /// In seconds.
     pub time: f64,
     /// In volts.
     pub volts: f64,

@@ -29,7 +29,7 @@ pub fn step_of(stem: &str) -> f64 {
 /// The lesson's own run, with parameters changed and for a time of its own.
 pub fn trace(stem: &str, changes: &[(&str, f64)], duration: f64) -> Trace {
     let circuit: Circuit = common::circuit(&lesson(stem), changes);
-    let settings = RunSettings { duration, ..RunSettings::of(&circuit).unwrap() };
+    let settings = RunSettings::of(&circuit).unwrap().lasting(duration);
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
     solve::run(&program, &settings).unwrap_or_else(|error| panic!("{error}"))
 }

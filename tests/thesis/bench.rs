@@ -32,7 +32,7 @@ pub fn run(stem: &str, changes: &Changes, duration: f64, every: f64, record: &[&
     let circuit = circuit(stem, changes);
     let own = RunSettings::of(&circuit).unwrap();
     let record = record.iter().map(|name| name.to_string()).collect();
-    let settings = RunSettings { duration, every, record, ..own };
+    let settings = RunSettings { every, record, ..own.lasting(duration) };
     solve::run(&program_of(&circuit), &settings).unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -1,0 +1,214 @@
+//! Goes through the phases of a run with a machine and a recorder.
+
+use super::error::RunError;
+use super::machine::{Machine, MachineMode};
+use super::recorder::{Recorder, Watch};
+use crate::patch::{Change, FormulaMeasure, Phase, Until};
+use crate::program::{Program, Standing, Switch};
+use crate::trace::{Deed, Ending, NewValue, Trace};
+
+/// A machine, the recorder beside it, and where in the run they are.
+pub(super) struct Player<'p, 'w> {
+    machine: Machine<'p>,
+    recorder: Recorder<'w>,
+    /// Whether an overload ended the sweep: what takes time is passed over until the next initial condition.
+    is_held: bool,
+}
+
+impl<'p, 'w> Player<'p, 'w> {
+    pub fn new(machine: Machine<'p>, recorder: Recorder<'w>) -> Self {
+        Player { machine, recorder, is_held: false }
+    }
+
+    /// Goes through a whole run; it begins in initial condition whether it says so or not.
+    pub fn run(&mut self, phases: &[Phase]) -> Result<(), RunError> {
+        if !begins_in_initial_condition(phases) {
+            self.one(&Phase::InitialCondition)?;
+        }
+        self.all(phases)
+    }
+
+    /// What was recorded.
+    pub fn finish(mut self) -> Trace {
+        self.recorder.end(&self.machine, self.is_held);
+        self.recorder.trace
+    }
+
+    fn all(&mut self, phases: &[Phase]) -> Result<(), RunError> {
+        phases.iter().try_for_each(|phase| self.one(phase))
+    }
+
+    fn one(&mut self, phase: &Phase) -> Result<(), RunError> {
+        match phase {
+            Phase::InitialCondition => self.initial_condition(),
+            Phase::Set { changes } => self.set(changes),
+            Phase::Repeat { times, phases } => (0..*times).try_for_each(|_| self.all(phases)),
+            Phase::Operate { .. } | Phase::Hold { .. } if self.is_held => Ok(()),
+            Phase::Operate { time, until } => self.operate(*time, until.as_ref()),
+            Phase::Hold { time } => self.hold(*time),
+        }
+    }
+
+    /// Goes through a phase between its marks.
+    fn marked(
+        &mut self,
+        deed: Deed,
+        act: impl FnOnce(&mut Self) -> Result<Ending, RunError>,
+    ) -> Result<(), RunError> {
+        self.recorder.mark(&self.machine, deed);
+        let outcome = act(self);
+        self.recorder.mark_end(&self.machine, outcome.clone().unwrap_or(Ending::Stopped));
+        outcome.map(drop)
+    }
+
+    fn initial_condition(&mut self) -> Result<(), RunError> {
+        self.recorder.end(&self.machine, self.is_held);
+        self.is_held = false;
+        let outcome = self.machine.initial_condition();
+        self.recorder.changed();
+        self.marked(Deed::InitialCondition, |_| outcome.map(|()| Ending::Time))
+    }
+
+    fn operate(&mut self, time: f64, until: Option<&Until>) -> Result<(), RunError> {
+        self.recorder.show(&self.machine);
+        let program = self.machine.program;
+        let relay = until.map(|until| relay(program, until)).transpose()?;
+        self.recorder.watch = relay.map(|(relay, wanted)| Watch {
+            mode: relay.mode,
+            last: self.machine.modes[relay.mode],
+            wanted,
+            is_met: false,
+        });
+        let named = |until: &Until| {
+            (until.relay.value.clone(), until.becomes.as_ref().map(|position| position.value.clone()))
+        };
+        self.marked(Deed::Operate { until: until.map(named) }, |player| {
+            let outcome = player.machine.operate_with(time, &mut player.recorder);
+            let watch = player.recorder.watch.take().filter(|watch| watch.is_met);
+            outcome?;
+            Ok(player.ending(relay.zip(watch).map(|((relay, _), watch)| position(relay, watch))))
+        })
+    }
+
+    /// Why operating ended, by its clock or before.
+    fn ending(&mut self, switched: Option<String>) -> Ending {
+        match switched {
+            Some(position) => {
+                self.recorder.show(&self.machine);
+                Ending::Switched(position)
+            }
+            None if self.machine.mode() == MachineMode::Hold => {
+                self.is_held = true;
+                Ending::Overload
+            }
+            None => Ending::Time,
+        }
+    }
+
+    fn hold(&mut self, time: f64) -> Result<(), RunError> {
+        self.recorder.show(&self.machine);
+        self.machine.hold();
+        self.marked(Deed::Hold, |player| {
+            player.recorder.hold(&player.machine, time);
+            Ok(Ending::Time)
+        })
+    }
+
+    fn set(&mut self, changes: &[Change]) -> Result<(), RunError> {
+        self.recorder.show_end(&self.machine, self.is_held);
+        let values: Result<Vec<_>, _> = changes.iter().map(|change| self.new_value(change)).collect();
+        let told = values.as_ref().cloned().unwrap_or_default();
+        self.marked(Deed::Set(told), |player| {
+            let values = values?;
+            let pairs: Vec<_> = values.iter().map(|new| (new.parameter.as_str(), new.value)).collect();
+            player.machine.set_all(&pairs)?;
+            player.recorder.changed();
+            match player.recorder.rescaled(&player.machine) {
+                Some(signal) => Err(RunError::Rescaled { signal: signal.to_owned() }),
+                None => Ok(Ending::Time),
+            }
+        })
+    }
+
+    fn new_value(&self, change: &Change) -> Result<NewValue, RunError> {
+        let machine = &self.machine;
+        let standing = Standing {
+            program: machine.program,
+            parameters: &machine.parameters,
+            coefficients: &machine.coefficients,
+            registers: Some(&machine.registers),
+        };
+        let (name, formula) = (&change.parameter.value, &change.to.value);
+        let index =
+            machine.program.parameter(name).ok_or_else(|| RunError::UnknownParameter(name.clone()))?;
+        let value = standing.value_for(index, formula);
+        let value = value.map_err(|error| bad_formula(change, error.message))?;
+        let unit = machine.program.parameters[index].unit.clone();
+        Ok(NewValue { parameter: name.clone(), value, unit })
+    }
+}
+
+fn begins_in_initial_condition(phases: &[Phase]) -> bool {
+    match phases.first() {
+        Some(Phase::InitialCondition) => true,
+        Some(Phase::Repeat { phases, .. }) => begins_in_initial_condition(phases),
+        _ => false,
+    }
+}
+
+/// The relay that ends a phase, and the value of its mode that is waited for.
+fn relay<'p>(program: &'p Program, until: &Until) -> Result<(&'p Switch, Option<f64>), RunError> {
+    let name = &until.relay.value;
+    let element = program.element(name).ok_or_else(|| RunError::UnknownElement(name.clone()))?;
+    let relay = program.switches.iter().find(|switch| switch.element == element);
+    let relay = relay.ok_or_else(|| RunError::NotARelay(name.clone()))?;
+    let Some(becomes) = &until.becomes else { return Ok((relay, None)) };
+    match relay.positions.iter().position(|position| *position == becomes.value) {
+        Some(index) => Ok((relay, Some(index as f64))),
+        None => Err(RunError::UnknownPosition {
+            relay: name.clone(),
+            position: becomes.value.clone(),
+            known: relay.positions.join(" or "),
+        }),
+    }
+}
+
+fn position(relay: &Switch, watch: Watch) -> String {
+    relay.positions.get(watch.last as usize).copied().unwrap_or_default().to_owned()
+}
+
+/// Whether a program has everything that phases name, in fitting units.
+pub(super) fn check(program: &Program, phases: &[Phase]) -> Result<(), RunError> {
+    let mut outcome = Ok(());
+    let mut each = |phase: &Phase| {
+        if outcome.is_ok() {
+            outcome = match phase {
+                Phase::Operate { until: Some(until), .. } => relay(program, until).map(drop),
+                Phase::Set { changes } => changes.iter().try_for_each(|change| check_change(program, change)),
+                _ => Ok(()),
+            };
+        }
+    };
+    phases.iter().for_each(|phase| phase.for_each(&mut each));
+    outcome
+}
+
+fn check_change(program: &Program, change: &Change) -> Result<(), RunError> {
+    let name = &change.parameter.value;
+    let index = program.parameter(name).ok_or_else(|| RunError::UnknownParameter(name.clone()))?;
+    let standing = Standing { program, parameters: &[], coefficients: &[], registers: None };
+    let measure = change.to.value.dimension(&standing);
+    let measure = measure.map_err(|error| bad_formula(change, error.message))?;
+    let wanted = program.parameters[index].dimension;
+    match measure {
+        FormulaMeasure::Of(found) if found != wanted => {
+            Err(bad_formula(change, format!("it is in {found}, and {wanted} is wanted")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn bad_formula(change: &Change, message: String) -> RunError {
+    let (parameter, formula) = (change.parameter.value.clone(), change.to.value.text().to_owned());
+    RunError::BadFormula { parameter, formula, message }
+}

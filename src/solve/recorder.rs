@@ -1,0 +1,274 @@
+//! The recorder: writes down voltages on a time grid of its own while the machine runs and holds.
+
+use super::error::RunError;
+use super::grid::Grid;
+use super::machine::{Machine, Witness};
+use super::run::RunSettings;
+use crate::program::{Probe, Program};
+use crate::trace::{Deed, Ending, Mark, Sweep, Trace, Track};
+
+/// Writes down voltages on a time grid of its own. Its clock runs on while the machine holds.
+pub(super) struct Recorder<'a> {
+    pub trace: Trace,
+    progress: &'a mut dyn FnMut(f64),
+    /// Time recorded before this sweep.
+    before: f64,
+    probes: Vec<Probe>,
+    grid: Grid,
+    next: u64,
+    /// Its clock less problem time: how long this sweep was held.
+    held: f64,
+    /// Whether a sweep has begun since the last initial condition.
+    running: bool,
+    /// Whether the last sample shows the machine as it is now.
+    is_fresh: bool,
+    /// How long the sweep had been held when a lamp lit, by element.
+    lit: Vec<Option<f64>>,
+    hold_on_overload: bool,
+    /// The switching that ends the present phase.
+    pub watch: Option<Watch>,
+}
+
+/// A mode that is waited for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Watch {
+    pub mode: usize,
+    /// Its value when it was last looked at.
+    pub last: f64,
+    /// The value that it must go to; any other than `last` without one.
+    pub wanted: Option<f64>,
+    pub is_met: bool,
+}
+
+impl Watch {
+    fn look(&mut self, modes: &[f64]) {
+        let value = modes[self.mode];
+        self.is_met |= value != self.last && self.wanted.is_none_or(|wanted| wanted == value);
+        self.last = value;
+    }
+}
+
+impl<'a> Recorder<'a> {
+    pub fn new(
+        program: &Program,
+        machine: &Machine<'_>,
+        settings: &RunSettings,
+        progress: &'a mut dyn FnMut(f64),
+    ) -> Result<Self, RunError> {
+        let probes: Result<Vec<_>, _> = settings.record.iter().map(|name| find(program, name)).collect();
+        let probes = probes?;
+        let tracks = probes.iter().map(|probe| track(probe, machine)).collect();
+        Ok(Recorder {
+            trace: Trace { tracks, ..Trace::default() },
+            progress,
+            before: 0.0,
+            probes,
+            grid: Grid::new(settings.every),
+            next: 0,
+            held: 0.0,
+            running: false,
+            is_fresh: false,
+            lit: vec![None; program.elements.len()],
+            hold_on_overload: settings.hold_on_overload,
+            watch: None,
+        })
+    }
+
+    /// Its clock: seconds since the sweep began.
+    fn clock(&self, machine: &Machine<'_>) -> f64 {
+        machine.time() + self.held
+    }
+
+    /// Begins a sweep if none has begun, and writes down how the machine stands where nothing shows it.
+    pub fn show(&mut self, machine: &Machine<'_>) {
+        if !self.running {
+            self.trace.sweeps.push(Sweep { first: self.trace.time.len(), ..Sweep::default() });
+            (self.next, self.held, self.running, self.is_fresh) = (1, 0.0, true, false);
+            self.lit.fill(None);
+        }
+        if !self.is_fresh {
+            self.write(self.clock(machine), |register| machine.registers[register]);
+            self.is_fresh = true;
+        }
+    }
+
+    /// Writes down how the machine stands before a hand changes something, where the sweep goes on after it.
+    pub fn show_end(&mut self, machine: &Machine<'_>, is_held: bool) {
+        if self.running && !is_held {
+            self.show(machine);
+        }
+    }
+
+    /// Takes note that a phase begins. One that takes time begins at the last sample, any other before the next.
+    pub fn mark(&mut self, machine: &Machine<'_>, phase: Deed) {
+        let takes_time = matches!(phase, Deed::Operate { .. } | Deed::Hold);
+        let begin = if self.running { self.clock(machine) } else { 0.0 };
+        self.trace.marks.push(Mark {
+            phase,
+            sweep: self.trace.sweeps.len() - usize::from(self.running),
+            begin,
+            end: begin,
+            problem_time: machine.time(),
+            sample: self.trace.len() - usize::from(takes_time),
+            ended: Ending::Time,
+        });
+    }
+
+    /// Takes note that the phase ended.
+    pub fn mark_end(&mut self, machine: &Machine<'_>, ended: Ending) {
+        let end = if self.running { self.clock(machine) } else { 0.0 };
+        if let Some(mark) = self.trace.marks.last_mut() {
+            (mark.end, mark.ended) = (end, ended);
+        }
+        for (lit, lamp) in self.lit.iter_mut().zip(&machine.lamps) {
+            *lit = lit.or(lamp.map(|_| self.held));
+        }
+    }
+
+    /// Takes note that a hand has changed something: the last sample does not show it.
+    pub fn changed(&mut self) {
+        self.is_fresh = false;
+    }
+
+    /// Records a machine that stands still.
+    pub fn hold(&mut self, machine: &Machine<'_>, time: f64) {
+        let end = self.clock(machine) + time;
+        self.is_fresh = false;
+        while let Some(time) = self.next_before(end * (1.0 + SAME)) {
+            self.write(time, |register| machine.registers[register]);
+            self.next += 1;
+            self.is_fresh = time > end * (1.0 - SAME);
+        }
+        self.held += time;
+        self.tell_progress(machine);
+    }
+
+    fn tell_progress(&mut self, machine: &Machine<'_>) {
+        let recorded = self.before + self.clock(machine);
+        (self.progress)(recorded);
+    }
+
+    /// Ends the sweep, if one has begun.
+    pub fn end(&mut self, machine: &Machine<'_>, held: bool) {
+        if !std::mem::take(&mut self.running) {
+            return;
+        }
+        let end = self.clock(machine);
+        if let Some(sweep) = self.trace.sweeps.last_mut() {
+            sweep.overloads = machine.overloads();
+            for overload in &mut sweep.overloads {
+                let lit = machine.program.element(&overload.element).and_then(|element| self.lit[element]);
+                overload.time += lit.unwrap_or(self.held);
+            }
+            (sweep.end, sweep.work, sweep.held) = (end, machine.work(), held);
+        }
+        self.before += end;
+    }
+
+    /// A recorded signal whose scale is not what it was when the record began.
+    pub fn rescaled(&self, machine: &Machine<'_>) -> Option<&str> {
+        let pairs = self.trace.tracks.iter().zip(&self.probes);
+        let mut changed = pairs.filter(|(track, probe)| track.per_volt != per_volt(probe, machine));
+        changed.next().map(|(track, _)| track.name.as_str())
+    }
+
+    /// The next instant of the grid, if it comes before a time.
+    fn next_before(&self, end: f64) -> Option<f64> {
+        let time = self.grid.time(self.next);
+        (time < end).then_some(time)
+    }
+
+    fn write(&mut self, time: f64, voltage: impl Fn(usize) -> f64) {
+        self.trace.time.push(time);
+        for (track, probe) in self.trace.tracks.iter_mut().zip(&self.probes) {
+            track.record(time, voltage(probe.register.index()));
+        }
+    }
+
+    /// Takes note of the voltages of now.
+    fn see(&mut self, machine: &Machine<'_>) {
+        let time = self.clock(machine);
+        for (track, probe) in self.trace.tracks.iter_mut().zip(&self.probes) {
+            track.see(time, machine.registers[probe.register.index()]);
+        }
+    }
+}
+
+impl Witness for Recorder<'_> {
+    /// Writes down the instants of the grid inside a stretch, and sees its end as it is before relays switch.
+    fn stretch(&mut self, machine: &mut Machine<'_>) {
+        while let Some(time) = self.next_before(self.clock(machine) * (1.0 - SAME)) {
+            machine.look_back(time - self.held);
+            self.write(time, |register| machine.trial_registers[register]);
+            self.next += 1;
+        }
+        self.see(machine);
+    }
+
+    /// Writes down the instant at its end, as it is after relays have switched.
+    fn arrival(&mut self, machine: &Machine<'_>) {
+        self.see(machine);
+        let due = self.next_before(self.clock(machine) * (1.0 + SAME));
+        self.is_fresh = due.is_some();
+        if let Some(time) = due {
+            self.write(time, |register| machine.registers[register]);
+            self.next += 1;
+        }
+        if let Some(watch) = &mut self.watch {
+            watch.look(&machine.modes);
+        }
+        self.tell_progress(machine);
+    }
+
+    fn has_seen_enough(&self, machine: &Machine<'_>) -> bool {
+        self.hold_on_overload && machine.is_overloaded()
+    }
+
+    fn has_met(&self) -> bool {
+        self.watch.is_some_and(|watch| watch.is_met)
+    }
+}
+
+/// Times that differ by less than this share of themselves are the same instant.
+const SAME: f64 = 1e-12;
+
+impl Machine<'_> {
+    /// Works out the voltages of an instant within the last stretch, by the cubic through the states and
+    /// rates at its ends (Hermite).
+    fn look_back(&mut self, time: f64) {
+        let length = self.time - self.last.time;
+        let share = (time - self.last.time) / length;
+        let rest = 1.0 - share;
+        let [from_state, from_rate] = [(1.0 + 2.0 * share) * rest * rest, share * rest * rest * length];
+        let [to_state, to_rate] = [share * share * (3.0 - 2.0 * share), -share * share * rest * length];
+        for (index, trial) in self.trial.iter_mut().enumerate() {
+            let value = from_state * self.last.states[index]
+                + from_rate * self.last.rates[index]
+                + to_state * self.states[index]
+                + to_rate * self.rates[0][index];
+            let [low, high] = self.program.states[index].limits.map(|limit| self.registers[limit.index()]);
+            *trial = if value < low {
+                low
+            } else if value > high {
+                high
+            } else {
+                value
+            };
+        }
+        self.evaluate_trial(time);
+    }
+}
+
+fn find(program: &Program, name: &str) -> Result<Probe, RunError> {
+    let found = program.signals.iter().find(|probe| probe.name == name).cloned();
+    found.ok_or_else(|| RunError::UnknownSignal(name.to_owned()))
+}
+
+fn track(probe: &Probe, machine: &Machine<'_>) -> Track {
+    Track::new(&probe.name, &probe.unit, per_volt(probe, machine))
+}
+
+/// A signal's value of one volt, in its unit.
+fn per_volt(probe: &Probe, machine: &Machine<'_>) -> f64 {
+    probe.per_volt.map_or(1.0, |index| machine.coefficient(index) / probe.per_unit)
+}
