@@ -28,5 +28,6 @@ pub mod output;
 pub mod patch;
 pub mod plot;
 pub mod program;
+pub mod schematic;
 pub mod solve;
 pub mod trace;

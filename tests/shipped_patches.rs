@@ -1,5 +1,7 @@
 //! Every patch that comes with the program can be run as it stands.
 
+mod drawn;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -53,5 +55,12 @@ fn shipped_patches_run_without_overload() {
         let settings = own.lasting(duration);
         let trace = solve::run(&program, &settings).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(trace.overloads().count(), 0, "{}: {:?}", patch.file(), trace.sweeps);
+    }
+}
+
+#[test]
+fn every_shipped_patch_is_drawn() {
+    for patch in every_patch() {
+        drawn::check(&circuit(&patch), patch.file());
     }
 }

@@ -186,6 +186,11 @@ impl Circuit {
         self.patch.scales.get_index_of(name)
     }
 
+    /// What one volt of a scale stands for, in the scale's unit.
+    pub(crate) fn per_volt(&self, scale: usize) -> Option<f64> {
+        Some(self.scale_unit(scale).out_of_si(self.quantities.per_volt(scale)?))
+    }
+
     /// The unit of a scale.
     pub(crate) fn scale_unit(&self, index: usize) -> &Unit {
         &self.patch.scales[index].unit

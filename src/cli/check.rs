@@ -4,13 +4,12 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::failure::{Failure, plural};
-use super::load::{Loaded, PatchArguments, parameters_json};
+use super::load::{Loaded, PatchArguments, parameters_json, problem_check};
 use super::table::Table;
 use super::{say, say_json};
 use patchcord::circuit::{Circuit, ScalingRow};
 use patchcord::patch::Report;
 use patchcord::program::Program;
-use patchcord::solve::{Machine, RunError};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -48,29 +47,8 @@ struct Static {
     volts: f64,
 }
 
-/// The step plays no part in initial condition, but delay lines want one.
-const ANY_STEP: f64 = 1e-4;
-
-fn machine<'p>(circuit: &Circuit, program: &'p Program) -> Result<Machine<'p>, RunError> {
-    match &circuit.run_plan().step {
-        Some(step) => Machine::new(program, step.value),
-        None => with_any_step(program),
-    }
-}
-
-/// A machine with a step that no delay is too short for.
-fn with_any_step(program: &Program) -> Result<Machine<'_>, RunError> {
-    let mut step = ANY_STEP;
-    loop {
-        match Machine::new(program, step) {
-            Err(RunError::DelayTooShort { delay, .. }) if 0.0 < delay && delay < step => step = delay,
-            outcome => return outcome,
-        }
-    }
-}
-
 fn voltages(circuit: &Circuit, program: &Program) -> Result<Vec<Static>, Failure> {
-    let machine = machine(circuit, program)?;
+    let machine = problem_check(circuit, program)?;
     let mut read = Vec::new();
     for element in circuit.elements() {
         let volts = machine.voltage(&element.name)?;

@@ -44,13 +44,13 @@ impl FileArguments {
             sheets.map(|path| Format::from_path(&path).map(|format| (path, format))).collect();
         let sheets = sheets.map_err(|error| Failure::usage(error.to_string()))?;
         let files = Files { folder: self.out.clone(), tables, sheets };
-        files.check_apart(patch)?;
+        check_apart(patch, files.paths())?;
         Ok(files)
     }
 }
 
 /// The patch's name with another ending; dots within the name stay.
-fn named_like(patch: &Path, ending: &str) -> OsString {
+pub(super) fn named_like(patch: &Path, ending: &str) -> OsString {
     let mut name = patch.file_stem().unwrap_or_default().to_owned();
     name.push(ending);
     name
@@ -67,32 +67,9 @@ impl Files {
         self.tables.iter().chain(self.sheets.iter().map(|(path, _)| path))
     }
 
-    fn check_apart(&self, patch: &Path) -> Result<(), Failure> {
-        let mut taken = vec![(patch, place(patch)?)];
-        for path in self.paths().filter(|path| !is_stream(path)) {
-            let place = place(path)?;
-            match taken.iter().find(|(_, other)| *other == place) {
-                Some((other, _)) if *other == patch => {
-                    return Err(Failure::usage(format!("{} is the patch itself", path.display())));
-                }
-                Some(_) => {
-                    return Err(Failure::usage(format!("{} would be written twice", path.display())));
-                }
-                None => taken.push((path, place)),
-            }
-        }
-        Ok(())
-    }
-
     /// Makes the folder, and tells before the run what cannot be written to.
     pub fn prepare(&self) -> Result<(), Failure> {
-        if let Some(folder) = &self.folder {
-            make_folder(folder)?;
-        }
-        for path in self.paths() {
-            check_writable(path).map_err(|error| unwritable(path, &error))?;
-        }
-        Ok(())
+        prepare(self.folder.as_deref(), self.paths())
     }
 
     pub fn write(&self, trace: &Trace, circuit: &Circuit) -> Result<(), Failure> {
@@ -117,9 +94,47 @@ impl Files {
     }
 
     pub fn told(&self) -> String {
-        let told: Vec<_> = self.paths().map(|path| format!("wrote {}\n", path.display())).collect();
-        if told.is_empty() { String::new() } else { format!("\n{}", told.concat()) }
+        let told = written(self.paths());
+        if told.is_empty() { told } else { format!("\n{told}") }
     }
+}
+
+/// Which files were written, a line each.
+pub(super) fn written<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> String {
+    paths.map(|path| format!("wrote {}\n", path.display())).collect()
+}
+
+/// Refuses files that would be written twice, or over the patch.
+pub(super) fn check_apart<'a>(
+    patch: &'a Path,
+    paths: impl Iterator<Item = &'a PathBuf>,
+) -> Result<(), Failure> {
+    let mut taken = vec![(patch, place(patch)?)];
+    for path in paths.filter(|path| !is_stream(path)) {
+        let place = place(path)?;
+        match taken.iter().find(|(_, other)| *other == place) {
+            Some((other, _)) if *other == patch => {
+                return Err(Failure::usage(format!("{} is the patch itself", path.display())));
+            }
+            Some(_) => return Err(Failure::usage(format!("{} would be written twice", path.display()))),
+            None => taken.push((path, place)),
+        }
+    }
+    Ok(())
+}
+
+/// Makes the folder, and tells before the work what cannot be written to.
+pub(super) fn prepare<'a>(
+    folder: Option<&Path>,
+    paths: impl Iterator<Item = &'a PathBuf>,
+) -> Result<(), Failure> {
+    if let Some(folder) = folder {
+        make_folder(folder)?;
+    }
+    for path in paths {
+        check_writable(path).map_err(|error| unwritable(path, &error))?;
+    }
+    Ok(())
 }
 
 /// Whether something stands there that takes what is written one after the other.

@@ -10,6 +10,7 @@ use patchcord::circuit::Circuit;
 use patchcord::instruments::Display;
 use patchcord::patch::Patch;
 use patchcord::program::Program;
+use patchcord::solve::{Machine, RunError};
 
 /// The patch and its parameters.
 #[derive(Args)]
@@ -69,4 +70,26 @@ pub(super) fn parameters_json(circuit: &Circuit) -> Value {
         json!({"name": name, "value": value, "unit": parameter.unit.text(), "description": parameter.description})
     });
     told.collect()
+}
+
+/// The step plays no part in initial condition, but delay lines want one.
+const ANY_STEP: f64 = 1e-4;
+
+/// The machine in initial condition.
+pub(super) fn problem_check<'p>(circuit: &Circuit, program: &'p Program) -> Result<Machine<'p>, RunError> {
+    match &circuit.run_plan().step {
+        Some(step) => Machine::new(program, step.value),
+        None => with_any_step(program),
+    }
+}
+
+/// A machine with a step that no delay is too short for.
+fn with_any_step(program: &Program) -> Result<Machine<'_>, RunError> {
+    let mut step = ANY_STEP;
+    loop {
+        match Machine::new(program, step) {
+            Err(RunError::DelayTooShort { delay, .. }) if 0.0 < delay && delay < step => step = delay,
+            outcome => return outcome,
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 mod check;
 mod completions;
+mod draw;
 mod elements;
 mod failure;
 mod files;
@@ -40,6 +41,8 @@ enum Command {
     Check(check::Arguments),
     /// Run a patch: readings, a table, scope pictures
     Run(run::Arguments),
+    /// Draw the schematic of a patch
+    Draw(draw::Arguments),
     /// List the computing elements and drives, or tell all about one
     Elements(elements::Arguments),
     /// List the machines that patches can be made for
@@ -73,6 +76,7 @@ fn carry_out(command: &Command) -> Result<(), Failure> {
         Command::New(arguments) => new::new(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Run(arguments) => run::run(arguments),
+        Command::Draw(arguments) => draw::draw(arguments),
         Command::Elements(arguments) => elements::elements(arguments),
         Command::Machines(arguments) => machines::machines(arguments),
         Command::Completions(arguments) => completions::completions(arguments),

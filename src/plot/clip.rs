@@ -1,18 +1,24 @@
 /// A rectangle of the picture; `top` is above `bottom` and has the lower number.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Area {
+pub struct Area {
+    /// Its left edge.
     pub left: f64,
+    /// Its upper edge.
     pub top: f64,
+    /// Its right edge.
     pub right: f64,
+    /// Its lower edge.
     pub bottom: f64,
 }
 
 impl Area {
-    pub(super) fn width(&self) -> f64 {
+    /// From left to right.
+    pub fn width(&self) -> f64 {
         self.right - self.left
     }
 
-    pub(super) fn height(&self) -> f64 {
+    /// From top to bottom.
+    pub fn height(&self) -> f64 {
         self.bottom - self.top
     }
 

@@ -24,6 +24,16 @@ pub enum PlotError {
         /// How many pictures were to be stacked.
         pictures: usize,
     },
+    /// A line drawing is larger than can be drawn.
+    #[error("a drawing of {width:.0} x {height:.0} pixels cannot be drawn{advice}")]
+    TooLarge {
+        /// Pixels across.
+        width: f64,
+        /// Pixels down.
+        height: f64,
+        /// What can be done instead.
+        advice: &'static str,
+    },
     /// An axis has no finite range, or a number of divisions that cannot be drawn.
     #[error("axis `{label}`: {low} to {high} in {divisions} divisions cannot be drawn")]
     Range {

@@ -1,3 +1,5 @@
+use std::sync::OnceLock;
+
 use ab_glyph::{Font as _, FontRef, PxScale, ScaleFont as _, point};
 
 use super::PlotError;
@@ -13,6 +15,16 @@ pub(super) struct Font(FontRef<'static>);
 impl Font {
     pub(super) fn load() -> Result<Font, PlotError> {
         Ok(Font(FontRef::try_from_slice(FONT_FILE)?))
+    }
+
+    /// The font, read once for as many questions as there are.
+    pub(super) fn shared() -> Result<&'static Font, PlotError> {
+        static FONT: OnceLock<Font> = OnceLock::new();
+        if let Some(font) = FONT.get() {
+            return Ok(font);
+        }
+        let font = Font::load()?;
+        Ok(FONT.get_or_init(|| font))
     }
 
     /// How wide a line of text is.
@@ -77,7 +89,7 @@ impl Font {
 
 /// The text with a blank for every sign that is not to be printed, some of
 /// which an SVG file must not hold.
-fn plain(text: &str) -> String {
+pub(super) fn plain(text: &str) -> String {
     let unprintable = |letter: char| letter.is_control() || matches!(letter, '\u{fffe}' | '\u{ffff}');
     text.replace(unprintable, " ")
 }

@@ -1,3 +1,5 @@
+use std::f64::consts::TAU;
+
 use plotters::backend::{BitMapBackend, DrawingBackend as _};
 use plotters::style::{Color as _, RGBColor};
 
@@ -10,6 +12,12 @@ const CHANNELS: usize = 3;
 
 /// Above this many pixels pictures are drawn less fine, to spare memory.
 const LARGE: u32 = 4_000_000;
+
+/// Above this many pixels lines are not smoothed at all.
+const VERY_LARGE: u32 = 20_000_000;
+
+/// Edges of a circle drawn as a polygon.
+const CIRCLE_EDGES: u32 = 64;
 
 /// The pictures one below the other as the bytes of a PNG file.
 pub(super) fn sheet(
@@ -42,15 +50,37 @@ fn encode(pixels: &[u8], width: u32, height: u32) -> Result<Vec<u8>, PlotError> 
 /// The library draws lines without smoothing, so the picture is drawn several
 /// times as large as wanted and averaged down.
 fn one_picture(picture: &Picture, size: Size, frame: &Frame, font: &Font) -> Result<Vec<u8>, PlotError> {
-    let fineness = if size.width * size.height > LARGE { 2 } else { 4 };
-    let (width, height) = (size.width * fineness, size.height * fineness);
+    painted((size.width, size.height), frame.unit, font, |surface| {
+        draw::picture(picture, frame, font, surface)
+    })
+}
+
+/// A line drawing as the bytes of a PNG file.
+pub(super) fn drawing(
+    (width, height): (u32, u32),
+    font: &Font,
+    paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>,
+) -> Result<Vec<u8>, PlotError> {
+    encode(&painted((width, height), 1.0, font, paint)?, width, height)
+}
+
+fn painted(
+    size: (u32, u32),
+    unit: f64,
+    font: &Font,
+    paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>,
+) -> Result<Vec<u8>, PlotError> {
+    let pixels = size.0 * size.1;
+    let fineness = [(LARGE, 4), (VERY_LARGE, 2)].iter().find(|(most, _)| pixels <= *most);
+    let fineness = fineness.map_or(1, |(_, fineness)| *fineness);
+    let (width, height) = (size.0 * fineness, size.1 * fineness);
     let mut fine = vec![0; width as usize * height as usize * CHANNELS];
     let mut surface = RasterSurface {
         backend: BitMapBackend::with_buffer(&mut fine, (width, height)),
-        scale: frame.unit * f64::from(fineness),
+        scale: unit * f64::from(fineness),
         font,
     };
-    draw::picture(picture, frame, font, &mut surface)?;
+    paint(&mut surface)?;
     surface.backend.present().map_err(drawing_error)?;
     drop(surface);
     Ok(averaged(&fine, width as usize, fineness as usize))
@@ -131,6 +161,25 @@ impl Surface for RasterSurface<'_> {
             self.disc(ends[1], width - 1.0, colour)?;
         }
         Ok(())
+    }
+
+    fn area(&mut self, corners: &[(f64, f64)], colour: RGBColor) -> Result<(), PlotError> {
+        self.backend.fill_polygon(whole_points(corners, self.scale), &colour).map_err(drawing_error)
+    }
+
+    fn ring(
+        &mut self,
+        centre: (f64, f64),
+        radius: f64,
+        width: f64,
+        colour: RGBColor,
+    ) -> Result<(), PlotError> {
+        let corner = |edge: u32| {
+            let (sin, cos) = (TAU * f64::from(edge) / f64::from(CIRCLE_EDGES)).sin_cos();
+            (centre.0 + radius * cos, centre.1 + radius * sin)
+        };
+        let corners: Vec<_> = (0..=CIRCLE_EDGES).map(corner).collect();
+        self.line(&corners, width, colour)
     }
 
     fn text(&mut self, text: &str, at: (f64, f64), lettering: Lettering) -> Result<(), PlotError> {

@@ -11,6 +11,18 @@ pub(super) trait Surface {
     /// Draws a line with round joins and ends; points in one place make a dot.
     fn line(&mut self, points: &[(f64, f64)], width: f64, colour: RGBColor) -> Result<(), PlotError>;
 
+    /// Fills the area within corners.
+    fn area(&mut self, corners: &[(f64, f64)], colour: RGBColor) -> Result<(), PlotError>;
+
+    /// Draws the edge of a circle.
+    fn ring(
+        &mut self,
+        centre: (f64, f64),
+        radius: f64,
+        width: f64,
+        colour: RGBColor,
+    ) -> Result<(), PlotError>;
+
     /// Writes a line of text; `at` is on its baseline.
     fn text(&mut self, text: &str, at: (f64, f64), lettering: Lettering) -> Result<(), PlotError>;
 }
@@ -25,10 +37,13 @@ pub(super) struct Lettering {
 }
 
 /// Which part of a line of text is at the position given.
-#[derive(Clone, Copy)]
-pub(super) enum Align {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    /// Its beginning.
     Start,
+    /// Its middle.
     Middle,
+    /// Its end.
     End,
 }
 

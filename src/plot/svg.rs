@@ -27,7 +27,8 @@ pub(super) fn sheet(
     font: &Font,
 ) -> Result<Vec<u8>, PlotError> {
     let mut text = String::new();
-    open_sheet(&mut text, size, pictures.len()).map_err(drawing_error)?;
+    let (width, height) = (size.width as usize, size.height as usize * pictures.len());
+    open_sheet(&mut text, width, height).map_err(drawing_error)?;
     for (index, picture) in pictures.iter().enumerate() {
         let top = index * (size.height * FINENESS) as usize;
         writeln!(text, r#"<g transform="translate(0 {top})">"#).map_err(drawing_error)?;
@@ -39,8 +40,7 @@ pub(super) fn sheet(
 }
 
 /// Round joins keep the corners of noisy traces from growing spikes.
-fn open_sheet(text: &mut String, size: Size, pictures: usize) -> std::fmt::Result {
-    let (width, height) = (size.width as usize, size.height as usize * pictures);
+fn open_sheet(text: &mut String, width: usize, height: usize) -> std::fmt::Result {
     let fineness = FINENESS as usize;
     writeln!(text, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
     writeln!(
@@ -51,14 +51,34 @@ fn open_sheet(text: &mut String, size: Size, pictures: usize) -> std::fmt::Resul
     )
 }
 
-fn one_picture(picture: &Picture, size: Size, frame: &Frame, font: &Font) -> Result<String, PlotError> {
+/// A line drawing as the bytes of an SVG file.
+pub(super) fn drawing(
+    (width, height): (u32, u32),
+    paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>,
+) -> Result<Vec<u8>, PlotError> {
     let mut text = String::new();
-    let fine_size = (size.width * FINENESS, size.height * FINENESS);
+    open_sheet(&mut text, width as usize, height as usize).map_err(drawing_error)?;
+    text.push_str(&painted((width, height), 1.0, paint)?);
+    text.push_str("</svg>\n");
+    Ok(text.into_bytes())
+}
+
+fn one_picture(picture: &Picture, size: Size, frame: &Frame, font: &Font) -> Result<String, PlotError> {
+    painted((size.width, size.height), frame.unit, |surface| draw::picture(picture, frame, font, surface))
+}
+
+fn painted(
+    size: (u32, u32),
+    unit: f64,
+    paint: impl FnOnce(&mut dyn Surface) -> Result<(), PlotError>,
+) -> Result<String, PlotError> {
+    let mut text = String::new();
+    let fine_size = (size.0 * FINENESS, size.1 * FINENESS);
     let mut surface = SvgSurface {
         backend: SVGBackend::with_string(&mut text, fine_size),
-        scale: frame.unit * f64::from(FINENESS),
+        scale: unit * f64::from(FINENESS),
     };
-    draw::picture(picture, frame, font, &mut surface)?;
+    paint(&mut surface)?;
     surface.backend.present().map_err(drawing_error)?;
     drop(surface);
     Ok(text)
@@ -84,6 +104,22 @@ impl Surface for SvgSurface<'_> {
             self.backend.draw_path(points, &colour.stroke_width(width))
         }
         .map_err(drawing_error)
+    }
+
+    fn area(&mut self, corners: &[(f64, f64)], colour: RGBColor) -> Result<(), PlotError> {
+        self.backend.fill_polygon(whole_points(corners, self.scale), &colour).map_err(drawing_error)
+    }
+
+    fn ring(
+        &mut self,
+        centre: (f64, f64),
+        radius: f64,
+        width: f64,
+        colour: RGBColor,
+    ) -> Result<(), PlotError> {
+        let (radius, width) = ((radius * self.scale).round() as u32, (width * self.scale).round() as u32);
+        let centre = whole_point(centre, self.scale);
+        self.backend.draw_circle(centre, radius, &colour.stroke_width(width), false).map_err(drawing_error)
     }
 
     fn text(&mut self, text: &str, at: (f64, f64), lettering: Lettering) -> Result<(), PlotError> {

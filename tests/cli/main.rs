@@ -1,6 +1,7 @@
 //! The command line as a user meets it: what it prints, what it writes, how it ends.
 
 mod completions;
+mod draw;
 mod man;
 mod new;
 

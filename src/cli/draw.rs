@@ -1,0 +1,115 @@
+//! `patchcord draw`
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::failure::Failure;
+use super::files::{check_apart, named_like, prepare, put, written};
+use super::load::{Loaded, PatchArguments, parameter_line, parameters_json, problem_check};
+use super::{say, say_json};
+use patchcord::plot::{Format, Theme, render_drawing};
+use patchcord::schematic::Schematic;
+use patchcord::solve::Machine;
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    patch: PatchArguments,
+    /// Draw into this file; SVG or PNG by its name
+    #[arg(long, value_name = "FILE.svg|png")]
+    plot: Option<PathBuf>,
+    /// Draw into this folder, as SVG under the patch's name
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Write the voltages at the outputs: those of the problem check, or after so many problem seconds of run
+    #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "0", allow_negative_numbers = true, value_parser = instant)]
+    values: Option<f64>,
+    /// Light lines on a dark page
+    #[arg(long)]
+    dark: bool,
+}
+
+fn instant(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number of seconds"))?;
+    if seconds >= 0.0 && seconds.is_finite() {
+        Ok(seconds)
+    } else {
+        Err("a time from 0 s on is wanted".to_owned())
+    }
+}
+
+pub(super) fn draw(arguments: &Arguments) -> Result<(), Failure> {
+    carry_out(arguments).map_err(|failure| failure.told_as_json(arguments.patch.json))
+}
+
+fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
+    let files = arguments.files()?;
+    let loaded = arguments.patch.load()?;
+    let schematic = arguments.schematic(&loaded)?;
+    prepare(arguments.out.as_deref(), files.iter().map(|(path, _)| path))?;
+    let theme = if arguments.dark { Theme::Dark } else { Theme::Light };
+    for (path, format) in &files {
+        let bytes = render_drawing(&schematic.drawing(), *format, theme);
+        put(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
+    }
+    if arguments.patch.json {
+        return say_json(&document(&loaded, &schematic, &files));
+    }
+    say(&written(files.iter().map(|(path, _)| path)))
+}
+
+impl Arguments {
+    /// The files to draw into, with their formats.
+    fn files(&self) -> Result<Vec<(PathBuf, Format)>, Failure> {
+        let patch = &self.patch.patch;
+        let in_folder = self.out.as_ref().map(|folder| folder.join(named_like(patch, ".schematic.svg")));
+        let files: Vec<PathBuf> = self.plot.iter().cloned().chain(in_folder).collect();
+        if files.is_empty() && !self.patch.json {
+            return Err(Failure::usage(
+                "nothing to draw into: give --plot FILE.svg, --plot FILE.png or --out DIR",
+            ));
+        }
+        let formats: Result<Vec<_>, _> = files.iter().map(|path| Format::from_path(path)).collect();
+        let formats = formats.map_err(|error| Failure::usage(error.to_string()))?;
+        check_apart(patch, files.iter())?;
+        Ok(files.into_iter().zip(formats).collect())
+    }
+
+    fn schematic(&self, loaded: &Loaded) -> Result<Schematic, Failure> {
+        let Loaded { circuit, program } = loaded;
+        let mut note = parameter_line(circuit);
+        let machine = match self.values {
+            None => None,
+            Some(seconds) => {
+                let mut machine = problem_check(circuit, program)?;
+                machine.operate(seconds)?;
+                let at =
+                    if seconds > 0.0 { format!("t = {seconds} s") } else { "initial condition".to_owned() };
+                note = if note.is_empty() {
+                    format!("voltages at {at}")
+                } else {
+                    format!("{note}; voltages at {at}")
+                };
+                Some(machine)
+            }
+        };
+        let volts =
+            |name: &str| machine.as_ref().and_then(|machine: &Machine<'_>| machine.voltage(name).ok());
+        Schematic::new(circuit, note, &volts).map_err(|error| Failure::data(error.to_string()))
+    }
+}
+
+fn document(loaded: &Loaded, schematic: &Schematic, files: &[(PathBuf, Format)]) -> Value {
+    let circuit = &loaded.circuit;
+    json!({
+        "ok": true,
+        "patch": circuit.patch().file(),
+        "title": circuit.patch().title,
+        "diagnostics": circuit.warnings().to_json(),
+        "parameters": parameters_json(circuit),
+        "schematic": schematic.to_json(),
+        "files": files.iter().map(|(path, _)| path.display().to_string()).collect::<Value>(),
+    })
+}

@@ -1,0 +1,57 @@
+//! The schematic as a JSON value.
+
+use serde_json::{Value, json};
+
+use super::layout::Point;
+use super::sheet::{Net, PlacedSymbol, Schematic};
+
+impl Schematic {
+    /// Symbols with their places and nets with their lines, in pixels from the upper left corner.
+    pub fn to_json(&self) -> Value {
+        let drawing = self.drawing();
+        json!({
+            "width": drawing.width,
+            "height": drawing.height,
+            "symbols": self.symbols.iter().map(symbol).collect::<Value>(),
+            "nets": self.nets.iter().map(|net| self.net(net)).collect::<Value>(),
+        })
+    }
+
+    fn net(&self, net: &Net) -> Value {
+        let to = net.to.iter().map(|(reader, jack)| {
+            let reader = &self.symbols[*reader];
+            json!({"name": reader.symbol.name, "jack": jack_name(reader, *jack), "at": place(reader.inputs[*jack])})
+        });
+        let from = &self.symbols[net.from];
+        json!({
+            "from": {"name": from.symbol.name, "at": place(from.output)},
+            "to": to.collect::<Value>(),
+            "lines": net.route.lines.iter().map(|line| json!([place(line[0]), place(line[1])])).collect::<Value>(),
+            "dots": net.route.dots.iter().map(|dot| place(*dot)).collect::<Value>(),
+        })
+    }
+}
+
+fn symbol(placed: &PlacedSymbol) -> Value {
+    let symbol = &placed.symbol;
+    json!({
+        "name": symbol.name,
+        "kind": symbol.kind,
+        "symbol": symbol.shape,
+        "at": place(placed.at),
+        "area": [placed.area.left, placed.area.top, placed.area.right, placed.area.bottom],
+        "output": place(placed.output),
+        "signals": symbol.signals,
+        "volts": symbol.volts,
+        "texts": placed.labels().map(|label| json!(label.text)).collect::<Value>(),
+    })
+}
+
+fn jack_name(placed: &PlacedSymbol, jack: usize) -> String {
+    let jack = &placed.symbol.jacks[jack];
+    jack.gain.map_or_else(|| jack.input.to_owned(), |gain| format!("{}{gain}", jack.input))
+}
+
+fn place(at: Point) -> Value {
+    json!([at.0, at.1])
+}

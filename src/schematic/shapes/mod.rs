@@ -1,0 +1,161 @@
+//! The symbols of the trade: one file a group, one row a symbol in [`SHAPES`].
+
+mod amplifier;
+mod art;
+mod diodes;
+mod drive;
+mod function;
+mod network;
+mod switching;
+
+use super::symbol::{Source, Symbol};
+use crate::plot::{Align, Area, Ink};
+
+pub(super) use art::{Art, CORD, PRINT, SMALL};
+
+/// A symbol drawn around its anchor.
+type Draw = fn(&Symbol) -> Art;
+
+/// Every symbol by its name in the registry of elements.
+pub(super) static SHAPES: &[(&str, Draw)] = &[
+    ("amplifier", amplifier::summer),
+    ("open-amplifier", amplifier::open),
+    ("integrator", amplifier::integrator),
+    ("lag", amplifier::lag),
+    ("track-hold", switching::track_hold),
+    ("potentiometer", network::potentiometer),
+    ("free-potentiometer", network::free_potentiometer),
+    ("diode-dead-zone", diodes::dead_zone),
+    ("diode-lower-of", diodes::lower_of),
+    ("diode-upper-of", diodes::upper_of),
+    ("multiplier", function::multiplier),
+    ("absolute", function::absolute),
+    ("dead-zone", function::dead_zone),
+    ("backlash", function::backlash),
+    ("function-generator", function::generator),
+    ("sin", function::sin),
+    ("cos", function::cos),
+    ("log", function::log),
+    ("exp", function::exp),
+    ("relay", switching::relay),
+    ("switch", switching::key),
+    ("delay", function::delay),
+    ("drive-step", drive::step),
+    ("drive-ramp", drive::ramp),
+    ("drive-triangle", drive::triangle),
+    ("drive-sine", drive::sine),
+    ("drive-noise", drive::noise),
+    ("drive-table", drive::table),
+];
+
+/// Room to the right of an output for the names and the voltage read there.
+const READING_GAP: f64 = 4.0;
+
+/// Draws a symbol with what is read at it and the references plugged into it.
+pub(super) fn draw(symbol: &Symbol) -> Art {
+    let row = SHAPES.iter().find(|(name, _)| *name == symbol.shape);
+    let mut art = row.map_or_else(|| network::plain_box(symbol), |(_, draw)| draw(symbol));
+    if art.inputs.len() < symbol.jacks.len() {
+        art = network::plain_box(symbol);
+    }
+    references(symbol, &mut art);
+    readings(symbol, &mut art);
+    art
+}
+
+/// How many of its first jacks are equal in rights.
+pub(super) fn exchangeable(symbol: &Symbol) -> usize {
+    let summing = symbol.jacks.iter().take_while(|jack| jack.input == "x");
+    summing.count()
+}
+
+/// Flags of the references at the jacks that they are plugged into.
+fn references(symbol: &Symbol, art: &mut Art) {
+    for (jack, at) in symbol.jacks.iter().zip(art.inputs.clone()) {
+        match jack.from {
+            Source::Reference("ground") => ground(at, art),
+            Source::Reference(name) => flag(name, at, art),
+            Source::Output(_) => (),
+        }
+    }
+}
+
+const STUB: f64 = 9.0;
+const FLAG: (f64, f64) = (34.0, 13.0);
+
+fn flag(name: &str, at: (f64, f64), art: &mut Art) {
+    let (tip, half) = (at.0 - STUB, FLAG.1 / 2.0);
+    art.line(&[(tip, at.1), at]);
+    let (left, shoulder) = (tip - FLAG.0, tip - half);
+    let outline = [
+        (left, at.1 - half),
+        (shoulder, at.1 - half),
+        (tip, at.1),
+        (shoulder, at.1 + half),
+        (left, at.1 + half),
+    ];
+    art.body(&outline);
+    art.text(
+        &name.replace('-', "−"),
+        ((left + shoulder) / 2.0 + 1.0, at.1 + 3.4),
+        SMALL,
+        Align::Middle,
+        Ink::Line,
+    );
+}
+
+fn ground(at: (f64, f64), art: &mut Art) {
+    let left = at.0 - STUB;
+    art.line(&[(left, at.1), at]);
+    for (step, half) in [6.0, 4.0, 2.0].into_iter().enumerate() {
+        let x = left - 3.0 * step as f64;
+        art.line(&[(x, at.1 - half), (x, at.1 + half)]);
+    }
+}
+
+/// Names of signals above the cord that leaves, the voltage below it.
+fn readings(symbol: &Symbol, art: &mut Art) {
+    let (x, y) = art.output;
+    let start = x + READING_GAP;
+    if !symbol.signals.is_empty() {
+        art.text(&symbol.signals.join(", "), (start, y - 4.0), PRINT, Align::Start, Ink::Signal);
+    }
+    if let Some(volts) = symbol.volts {
+        art.text(&voltage(volts), (start, y + 11.0), PRINT, Align::Start, Ink::Voltage);
+    }
+    let read = art.area().right;
+    if read > x + READING_GAP {
+        art.output = (read.ceil(), y);
+        art.cord(&[(x, y), art.output]);
+    }
+}
+
+/// A voltage as a voltmeter shows it.
+fn voltage(volts: f64) -> String {
+    let text = format!("{volts:+.2}");
+    let nothing = text.trim_start_matches(['+', '-']).chars().all(|digit| matches!(digit, '0' | '.'));
+    if nothing { "0.00".to_owned() } else { text.replace('-', "−") }
+}
+
+/// The hull of areas.
+pub(super) fn hull(areas: impl Iterator<Item = Area>) -> Area {
+    let nothing =
+        Area { left: f64::INFINITY, top: f64::INFINITY, right: f64::NEG_INFINITY, bottom: f64::NEG_INFINITY };
+    areas.fold(nothing, |hull, area| Area {
+        left: hull.left.min(area.left),
+        top: hull.top.min(area.top),
+        right: hull.right.max(area.right),
+        bottom: hull.bottom.max(area.bottom),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn voltages_have_signs() {
+        let shown = [0.0, -0.001, 12.345, -100.0].map(voltage);
+        assert_eq!(shown, ["0.00", "0.00", "+12.35", "−100.00"]);
+    }
+}

@@ -1,0 +1,144 @@
+//! What is drawn of a circuit, before it has a place: symbols and what is plugged into them.
+
+/// An element or a drive as a drawing shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Symbol {
+    /// Name of the element.
+    pub name: String,
+    /// Its kind, such as "summer".
+    pub kind: &'static str,
+    /// Name of its symbol, such as "amplifier".
+    pub shape: &'static str,
+    /// What is plugged into it, from the top down.
+    pub jacks: Vec<Jack>,
+    /// How it is set, defaults included.
+    pub settings: Vec<Setting>,
+    /// Names of the machine's parts that it is made of, where the patch lists them.
+    pub parts: Vec<String>,
+    /// Names of the signals that are read at its output.
+    pub signals: Vec<String>,
+    /// Voltage at its output, where voltages are drawn.
+    pub volts: Option<f64>,
+    /// The patch's note on it.
+    pub note: String,
+}
+
+/// A jack of a symbol with a cord in it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Jack {
+    /// Name of the input, such as "x" or "bias_plus".
+    pub input: &'static str,
+    /// Its gain, where jacks of the input have gains.
+    pub gain: Option<f64>,
+    /// What is plugged in.
+    pub from: Source,
+}
+
+/// Where a cord comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// The output of another symbol, by its index.
+    Output(usize),
+    /// A reference, drawn where it is needed.
+    Reference(&'static str),
+}
+
+/// A setting of an element.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// Its key in the document.
+    pub name: &'static str,
+    /// Its formula, where the patch gives one.
+    pub formula: Option<String>,
+    /// Its value.
+    pub value: Value,
+    /// The value with its unit, in few digits.
+    pub shown: String,
+}
+
+/// The value of a setting.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// A number in the unit of the setting.
+    Number(f64),
+    /// true or false.
+    Flag(bool),
+    /// One of the setting's words.
+    Word(&'static str),
+    /// Points of a curve.
+    Points(Vec<[f64; 2]>),
+}
+
+impl Symbol {
+    /// How a setting is set; nothing where the element does without it.
+    pub fn setting(&self, name: &str) -> Option<&Setting> {
+        self.settings.iter().find(|setting| setting.name == name)
+    }
+
+    /// A setting that is a number.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        match self.setting(name)?.value {
+            Value::Number(value) => Some(value),
+            _ => None,
+        }
+    }
+
+    /// Whether a flag is set.
+    pub fn flag(&self, name: &str) -> bool {
+        self.setting(name).is_some_and(|setting| setting.value == Value::Flag(true))
+    }
+
+    /// The word chosen for a setting.
+    pub fn word(&self, name: &str) -> &'static str {
+        match self.setting(name).map(|setting| &setting.value) {
+            Some(Value::Word(word)) => word,
+            _ => "",
+        }
+    }
+
+    /// The points of a curve.
+    pub fn points(&self, name: &str) -> &[[f64; 2]] {
+        match self.setting(name).map(|setting| &setting.value) {
+            Some(Value::Points(points)) => points,
+            _ => &[],
+        }
+    }
+}
+
+/// A share, as a potentiometer is set: four decimals, more where it is small.
+pub fn share(value: f64) -> String {
+    match value.abs() {
+        small if small > 0.0 && small < 0.01 => short(value, 6),
+        _ => format!("{value:.4}").replace('-', "−"),
+    }
+}
+
+/// A number in four digits.
+pub fn digits(value: f64) -> String {
+    let magnitude = value.abs();
+    if value != 0.0 && !(1e-4..1e5).contains(&magnitude) {
+        return format!("{value:.3e}").replace('-', "−");
+    }
+    let decimals = if value == 0.0 { 0.0 } else { 3.0 - magnitude.log10().floor() };
+    short(value, decimals.max(0.0) as usize)
+}
+
+/// A number with at most so many decimals.
+fn short(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    text.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        let shown = [0.0, 0.25, 1.0, -50.0, 12.345_67, 99.996, 2e5, -0.1, 1234.5].map(digits);
+        assert_eq!(shown, ["0", "0.25", "1", "−50", "12.35", "100", "2.000e5", "−0.1", "1234"]);
+        let shown = [0.0, 0.25, 0.004, 1.0, 0.123_456].map(share);
+        assert_eq!(shown, ["0.0000", "0.2500", "0.004", "1.0000", "0.1235"]);
+    }
+}

@@ -1,0 +1,53 @@
+//! `patchcord draw`.
+
+use std::fs;
+use std::path::Path;
+
+use super::{FIG_8_16, code, errors, json, out, patchcord, path};
+
+#[test]
+fn a_schematic_is_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let svg = path(&folder, "a.svg");
+    let drawn = patchcord(&["draw", FIG_8_16, "--plot", &svg]);
+    assert_eq!((code(&drawn), errors(&drawn), out(&drawn)), (0, String::new(), format!("wrote {svg}\n")));
+    let picture = fs::read_to_string(&svg).unwrap();
+    assert!(["DZ", "0.2520", "IC 100 V", "friction_level"].iter().all(|text| picture.contains(text)));
+    assert!(!picture.contains("voltages at"));
+}
+
+#[test]
+fn voltages_are_those_of_the_instant() {
+    let folder = tempfile::tempdir().unwrap();
+    let png = path(&folder, "a.png");
+    let arguments =
+        ["draw", FIG_8_16, "--dark", "--values", "0.5", "--plot", &png, "--out", &path(&folder, "")];
+    assert_eq!(code(&patchcord(&arguments)), 0);
+    assert!(fs::read(&png).unwrap().starts_with(b"\x89PNG"));
+    let told = fs::read_to_string(path(&folder, "fig-8-16.schematic.svg")).unwrap();
+    assert!(told.contains("voltages at t = 0.5 s"));
+    let data = json(&patchcord(&["draw", FIG_8_16, "--values", "--json"]));
+    let symbols = data["schematic"]["symbols"].as_array().unwrap();
+    assert_eq!(symbols.len(), 27);
+    let memory = symbols.iter().find(|symbol| symbol["name"] == "A1").unwrap();
+    assert_eq!(memory["volts"], 100.0);
+}
+
+#[test]
+fn a_schematic_wants_a_place_to_go() {
+    let folder = tempfile::tempdir().unwrap();
+    let (copy, other) = (path(&folder, "patch.svg"), path(&folder, "other.svg"));
+    fs::copy(FIG_8_16, &copy).unwrap();
+    for (arguments, told) in [
+        (vec!["draw", FIG_8_16], "nothing to draw into"),
+        (vec!["draw", FIG_8_16, "--plot", "a.pdf"], ".svg and .png"),
+        (vec!["draw", &copy, "--plot", &copy], "the patch itself"),
+        (vec!["draw", FIG_8_16, "--values", "-1", "--plot", &other], "--values"),
+        (vec!["draw", FIG_8_16, "--values", "soon", "--plot", &other], "not a number"),
+    ] {
+        let refused = patchcord(&arguments);
+        assert_eq!(code(&refused), 2, "{arguments:?}");
+        assert!(errors(&refused).contains(told), "{}", errors(&refused));
+    }
+    assert!(fs::read_to_string(&copy).unwrap().starts_with('{') && !Path::new(&other).exists());
+}
