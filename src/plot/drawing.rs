@@ -12,12 +12,12 @@ pub struct Drawing {
     /// Pixels down.
     pub height: f64,
     /// What is drawn, the hindmost first.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<Stroke>,
 }
 
 /// One thing drawn.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Mark {
+pub enum Stroke {
     /// A line through points, with round joins and ends.
     Line {
         /// The points.
@@ -93,20 +93,20 @@ impl Label {
     }
 }
 
-impl Mark {
+impl Stroke {
     /// The same mark in another place.
     #[must_use]
-    pub fn moved(self, by: (f64, f64)) -> Mark {
+    pub fn moved(self, by: (f64, f64)) -> Stroke {
         let shift = |at: (f64, f64)| (at.0 + by.0, at.1 + by.1);
         let all = |points: Vec<(f64, f64)>| points.into_iter().map(shift).collect();
         match self {
-            Mark::Line { points, width, ink } => Mark::Line { points: all(points), width, ink },
-            Mark::Area { corners, ink } => Mark::Area { corners: all(corners), ink },
-            Mark::Ring { centre, radius, width, ink } => {
-                Mark::Ring { centre: shift(centre), radius, width, ink }
+            Stroke::Line { points, width, ink } => Stroke::Line { points: all(points), width, ink },
+            Stroke::Area { corners, ink } => Stroke::Area { corners: all(corners), ink },
+            Stroke::Ring { centre, radius, width, ink } => {
+                Stroke::Ring { centre: shift(centre), radius, width, ink }
             }
-            Mark::Disc { centre, radius, ink } => Mark::Disc { centre: shift(centre), radius, ink },
-            Mark::Text(label) => Mark::Text(Label { at: shift(label.at), ..label }),
+            Stroke::Disc { centre, radius, ink } => Stroke::Disc { centre: shift(centre), radius, ink },
+            Stroke::Text(label) => Stroke::Text(Label { at: shift(label.at), ..label }),
         }
     }
 }
@@ -162,16 +162,16 @@ impl Drawing {
     }
 }
 
-impl Mark {
+impl Stroke {
     fn paint(&self, theme: Theme, surface: &mut dyn Surface) -> Result<(), PlotError> {
         match self {
-            Mark::Line { points, width, ink } => surface.line(points, *width, theme.colour(*ink)),
-            Mark::Area { corners, ink } => surface.area(corners, theme.colour(*ink)),
-            Mark::Ring { centre, radius, width, ink } => {
+            Stroke::Line { points, width, ink } => surface.line(points, *width, theme.colour(*ink)),
+            Stroke::Area { corners, ink } => surface.area(corners, theme.colour(*ink)),
+            Stroke::Ring { centre, radius, width, ink } => {
                 surface.ring(*centre, *radius, *width, theme.colour(*ink))
             }
-            Mark::Disc { centre, radius, ink } => surface.line(&[*centre], *radius, theme.colour(*ink)),
-            Mark::Text(label) => {
+            Stroke::Disc { centre, radius, ink } => surface.line(&[*centre], *radius, theme.colour(*ink)),
+            Stroke::Text(label) => {
                 let lettering =
                     Lettering { size: label.size, colour: theme.colour(label.ink), align: label.align };
                 surface.text(&font::plain(&label.text), label.at, lettering)
@@ -186,16 +186,16 @@ mod tests {
 
     fn drawing() -> Drawing {
         let text = |text: &str, at| {
-            Mark::Text(Label { text: text.into(), at, size: 10.0, align: Align::Middle, ink: Ink::Line })
+            Stroke::Text(Label { text: text.into(), at, size: 10.0, align: Align::Middle, ink: Ink::Line })
         };
         Drawing {
             width: 120.0,
             height: 80.0,
             marks: vec![
-                Mark::Area { corners: vec![(10.0, 10.0), (60.0, 40.0), (10.0, 70.0)], ink: Ink::Body },
-                Mark::Line { points: vec![(10.0, 10.0), (60.0, 40.0)], width: 1.5, ink: Ink::Line },
-                Mark::Ring { centre: (90.0, 40.0), radius: 15.0, width: 1.5, ink: Ink::Line },
-                Mark::Disc { centre: (60.0, 40.0), radius: 3.0, ink: Ink::Signal },
+                Stroke::Area { corners: vec![(10.0, 10.0), (60.0, 40.0), (10.0, 70.0)], ink: Ink::Body },
+                Stroke::Line { points: vec![(10.0, 10.0), (60.0, 40.0)], width: 1.5, ink: Ink::Line },
+                Stroke::Ring { centre: (90.0, 40.0), radius: 15.0, width: 1.5, ink: Ink::Line },
+                Stroke::Disc { centre: (60.0, 40.0), radius: 3.0, ink: Ink::Signal },
                 text("A<1> & \u{1}", (60.0, 75.0)),
             ],
         }

@@ -30,7 +30,7 @@ mod trace;
 
 pub use axis::Axis;
 pub use clip::Area;
-pub use drawing::{Align, Drawing, Label, Mark, render_drawing, text_width, text_within};
+pub use drawing::{Align, Drawing, Label, Stroke, render_drawing, text_width, text_within};
 pub use error::PlotError;
 pub use format::Format;
 pub use picture::{Channel, Mark, Picture};

@@ -2,7 +2,7 @@
 
 use super::layout::Point;
 use super::shapes::{PRINT, SMALL};
-use crate::plot::{Align, Ink, Label, Mark, text_width, text_within};
+use crate::plot::{Align, Ink, Label, Stroke, text_width, text_within};
 
 /// A list with a heading.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +57,7 @@ impl Column<'_> {
         widths.fold(0.0, f64::max)
     }
 
-    fn draw(&self, (left, mut y): Point, marks: &mut Vec<Mark>) {
+    fn draw(&self, (left, mut y): Point, marks: &mut Vec<Stroke>) {
         for (heading, rows) in &self.parts {
             marks.push(text(heading, (left, y), PRINT, Ink::Signal));
             y += 2.0;
@@ -89,7 +89,7 @@ fn columns(lists: &[List]) -> Vec<Column<'_>> {
 }
 
 /// Draws lists from `top` on, in a room of a width; gives the marks and where they end.
-pub(super) fn draw(lists: &[List], (left, top): Point, width: f64) -> (Vec<Mark>, f64) {
+pub(super) fn draw(lists: &[List], (left, top): Point, width: f64) -> (Vec<Stroke>, f64) {
     let (mut marks, mut at, mut bottom) = (Vec::new(), (left, top), top);
     for column in columns(lists) {
         let wide = column.width();
@@ -100,7 +100,7 @@ pub(super) fn draw(lists: &[List], (left, top): Point, width: f64) -> (Vec<Mark>
         bottom = bottom.max(at.1 + ROW * column.rows() as f64);
         at.0 += wide + BESIDE;
     }
-    marks.retain(|mark| !matches!(mark, Mark::Text(label) if label.text.is_empty()));
+    marks.retain(|mark| !matches!(mark, Stroke::Text(label) if label.text.is_empty()));
     (marks, bottom)
 }
 
@@ -118,6 +118,6 @@ fn widths(rows: &[Row]) -> [f64; 3] {
     widths
 }
 
-fn text(text: &str, at: Point, size: f64, ink: Ink) -> Mark {
-    Mark::Text(Label { text: text.to_owned(), at, size, align: Align::Start, ink })
+fn text(text: &str, at: Point, size: f64, ink: Ink) -> Stroke {
+    Stroke::Text(Label { text: text.to_owned(), at, size, align: Align::Start, ink })
 }

@@ -6,7 +6,7 @@ use super::lists::{self, List};
 use super::shapes::{self, Art, CORD, PRINT};
 use super::symbol::{Source, Symbol};
 use crate::circuit::Circuit;
-use crate::plot::{Align, Area, Drawing, Ink, Label, Mark, text_width, text_within};
+use crate::plot::{Align, Area, Drawing, Ink, Label, Stroke, text_width, text_within};
 
 /// Symbols with their places, and nets with their lines, in pixels from the upper left corner of the sheet.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +38,7 @@ pub struct PlacedSymbol {
     pub inputs: Vec<Point>,
     /// Where its cord leaves.
     pub output: Point,
-    marks: Vec<Mark>,
+    marks: Vec<Stroke>,
 }
 
 /// A cord from an output to every jack that it is plugged into.
@@ -146,7 +146,7 @@ impl Schematic {
         let (listed, bottom) = lists::draw(&self.lists, (MARGIN, top), inside);
         if !listed.is_empty() {
             let y = top - 20.0;
-            marks.push(Mark::Line {
+            marks.push(Stroke::Line {
                 points: vec![(MARGIN, y), (MARGIN + inside, y)],
                 width: 1.0,
                 ink: Ink::Faint,
@@ -156,7 +156,7 @@ impl Schematic {
         Drawing { width: inside + 2.0 * MARGIN, height: bottom + MARGIN / 2.0, marks }
     }
 
-    fn heading(&self, room: f64) -> Vec<Mark> {
+    fn heading(&self, room: f64) -> Vec<Stroke> {
         let mut marks = Vec::new();
         let mut y = MARGIN - 8.0;
         let mut write = |text: &str, size: f64, row: f64, ink: Ink| {
@@ -168,7 +168,7 @@ impl Schematic {
                 align: Align::Start,
                 ink,
             };
-            marks.push(Mark::Text(label));
+            marks.push(Stroke::Text(label));
         };
         if !self.title.is_empty() {
             write(&self.title, TITLE, TITLE_ROW - 6.0, Ink::Line);
@@ -207,23 +207,23 @@ impl PlacedSymbol {
     /// The texts of the symbol.
     pub fn labels(&self) -> impl Iterator<Item = &Label> {
         self.marks.iter().filter_map(|mark| match mark {
-            Mark::Text(label) => Some(label),
+            Stroke::Text(label) => Some(label),
             _ => None,
         })
     }
 }
 
 impl Net {
-    fn draw(&self, marks: &mut Vec<Mark>) {
+    fn draw(&self, marks: &mut Vec<Stroke>) {
         for line in &self.route.lines {
-            marks.push(Mark::Line { points: line.to_vec(), width: CORD, ink: Ink::Wire });
+            marks.push(Stroke::Line { points: line.to_vec(), width: CORD, ink: Ink::Wire });
         }
         for dot in &self.route.dots {
-            marks.push(Mark::Disc { centre: *dot, radius: 3.0, ink: Ink::Wire });
+            marks.push(Stroke::Disc { centre: *dot, radius: 3.0, ink: Ink::Wire });
         }
         for tip in &self.route.arrows {
             let corners = vec![(tip.0 - 4.0, tip.1), (tip.0 + 4.0, tip.1 - 3.5), (tip.0 + 4.0, tip.1 + 3.5)];
-            marks.push(Mark::Area { corners, ink: Ink::Wire });
+            marks.push(Stroke::Area { corners, ink: Ink::Wire });
         }
     }
 }

@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 
 use patchcord::circuit::Circuit;
-use patchcord::plot::{Area, Label, Mark};
+use patchcord::plot::{Area, Label, Stroke};
 use patchcord::schematic::{Net, PlacedSymbol, Point, Schematic, Source};
 
 /// The schematic of a circuit, with a voltage at every output.
@@ -144,7 +144,7 @@ fn no_texts_overlap(drawn: &Schematic, what: &str) {
         .marks
         .iter()
         .filter_map(|mark| match mark {
-            Mark::Text(label) => Some(label),
+            Stroke::Text(label) => Some(label),
             _ => None,
         })
         .collect();

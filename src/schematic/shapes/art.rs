@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::hull;
-use crate::plot::{Align, Area, Ink, Label, Mark, text_width};
+use crate::plot::{Align, Area, Ink, Label, Stroke, text_width};
 
 /// Em sizes of names, of settings and readings, and of what stands at jacks.
 pub(in crate::schematic) const NAME: f64 = 12.5;
@@ -24,7 +24,7 @@ pub(super) const HALF_LETTER: f64 = 0.36;
 /// Lines, areas and texts around an anchor, and where cords arrive and leave.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::schematic) struct Art {
-    pub marks: Vec<Mark>,
+    pub marks: Vec<Stroke>,
     pub inputs: Vec<(f64, f64)>,
     pub output: (f64, f64),
 }
@@ -32,9 +32,9 @@ pub(in crate::schematic) struct Art {
 impl Art {
     /// A closed outline, filled.
     pub fn body(&mut self, corners: &[(f64, f64)]) {
-        self.marks.push(Mark::Area { corners: corners.to_vec(), ink: Ink::Body });
+        self.marks.push(Stroke::Area { corners: corners.to_vec(), ink: Ink::Body });
         let closed = corners.iter().chain(corners.first()).copied().collect();
-        self.marks.push(Mark::Line { points: closed, width: EDGE, ink: Ink::Line });
+        self.marks.push(Stroke::Line { points: closed, width: EDGE, ink: Ink::Line });
     }
 
     pub fn rectangle(&mut self, (left, top): (f64, f64), (right, bottom): (f64, f64)) {
@@ -43,40 +43,40 @@ impl Art {
 
     /// A circle, filled.
     pub fn circle(&mut self, centre: (f64, f64), radius: f64) {
-        self.marks.push(Mark::Disc { centre, radius, ink: Ink::Body });
-        self.marks.push(Mark::Ring { centre, radius, width: EDGE, ink: Ink::Line });
+        self.marks.push(Stroke::Disc { centre, radius, ink: Ink::Body });
+        self.marks.push(Stroke::Ring { centre, radius, width: EDGE, ink: Ink::Line });
     }
 
     pub fn disc(&mut self, centre: (f64, f64), radius: f64) {
-        self.marks.push(Mark::Disc { centre, radius, ink: Ink::Line });
+        self.marks.push(Stroke::Disc { centre, radius, ink: Ink::Line });
     }
 
     pub fn line(&mut self, points: &[(f64, f64)]) {
-        self.marks.push(Mark::Line { points: points.to_vec(), width: FINE, ink: Ink::Line });
+        self.marks.push(Stroke::Line { points: points.to_vec(), width: FINE, ink: Ink::Line });
     }
 
     /// A heavier line, for curves and arms of switches.
     pub fn bold(&mut self, points: &[(f64, f64)]) {
-        self.marks.push(Mark::Line { points: points.to_vec(), width: 1.8, ink: Ink::Line });
+        self.marks.push(Stroke::Line { points: points.to_vec(), width: 1.8, ink: Ink::Line });
     }
 
     /// Rules within a symbol.
     pub fn rule(&mut self, points: &[(f64, f64)]) {
-        self.marks.push(Mark::Line { points: points.to_vec(), width: 1.0, ink: Ink::Soft });
+        self.marks.push(Stroke::Line { points: points.to_vec(), width: 1.0, ink: Ink::Soft });
     }
 
     /// A piece of cord.
     pub fn cord(&mut self, points: &[(f64, f64)]) {
-        self.marks.push(Mark::Line { points: points.to_vec(), width: CORD, ink: Ink::Wire });
+        self.marks.push(Stroke::Line { points: points.to_vec(), width: CORD, ink: Ink::Wire });
     }
 
     /// A filled area in the colour of lines.
     pub fn solid(&mut self, corners: &[(f64, f64)]) {
-        self.marks.push(Mark::Area { corners: corners.to_vec(), ink: Ink::Line });
+        self.marks.push(Stroke::Area { corners: corners.to_vec(), ink: Ink::Line });
     }
 
     pub fn text(&mut self, text: &str, at: (f64, f64), size: f64, align: Align, ink: Ink) {
-        self.marks.push(Mark::Text(Label { text: text.to_owned(), at, size, align, ink }));
+        self.marks.push(Stroke::Text(Label { text: text.to_owned(), at, size, align, ink }));
     }
 
     /// A name in the middle of a place if there is room for it, else above the symbol.
@@ -102,7 +102,7 @@ impl Art {
 
     /// The middle of what is no text.
     fn middle(&self) -> f64 {
-        let drawn = hull(self.marks.iter().filter(|mark| !matches!(mark, Mark::Text(_))).map(area));
+        let drawn = hull(self.marks.iter().filter(|mark| !matches!(mark, Stroke::Text(_))).map(area));
         (drawn.left + drawn.right) / 2.0
     }
 
@@ -168,7 +168,7 @@ pub(super) fn wave(x: f64) -> f64 {
     (PI * x).sin()
 }
 
-fn area(mark: &Mark) -> Area {
+fn area(mark: &Stroke) -> Area {
     let hull_of = |points: &[(f64, f64)], more: f64| {
         hull(points.iter().map(|at| Area {
             left: at.0 - more,
@@ -178,9 +178,11 @@ fn area(mark: &Mark) -> Area {
         }))
     };
     match mark {
-        Mark::Line { points, .. } => hull_of(points, 0.0),
-        Mark::Area { corners, .. } => hull_of(corners, 0.0),
-        Mark::Ring { centre, radius, .. } | Mark::Disc { centre, radius, .. } => hull_of(&[*centre], *radius),
-        Mark::Text(label) => label.area(),
+        Stroke::Line { points, .. } => hull_of(points, 0.0),
+        Stroke::Area { corners, .. } => hull_of(corners, 0.0),
+        Stroke::Ring { centre, radius, .. } | Stroke::Disc { centre, radius, .. } => {
+            hull_of(&[*centre], *radius)
+        }
+        Stroke::Text(label) => label.area(),
     }
 }
