@@ -9,6 +9,7 @@ use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
 use serde_json::Value;
 
+use crate::bench::trace;
 use crate::common::circuit;
 
 fn stems() -> Vec<String> {
@@ -94,4 +95,24 @@ fn what_the_page_proposes_can_be_set() {
         proposed += 1;
     }
     assert!(proposed >= 2 * stems().len(), "{proposed}");
+}
+
+#[test]
+fn lamps_light_when_the_page_says() {
+    let page = fs::read_to_string("docs/lessons.md").unwrap();
+    let told: [(&str, &[(&str, f64)], f64, f64); 3] = [
+        ("driven-oscillator", &[("d", 0.5)], 20.0, 1.9),
+        ("two-phase-oscillator", &[("damp", 0.0)], 15.0, 10.2),
+        ("mathieu", &[("a", 1.0)], 60.0, 12.6),
+    ];
+    for (stem, changes, duration, time) in told {
+        let trace = trace(stem, changes, duration);
+        let first = trace.overloads().next().unwrap();
+        assert_eq!(
+            (first.element.as_str(), format!("{:.1}", first.time)),
+            ("A2", time.to_string()),
+            "{stem}"
+        );
+        assert!(page.contains(&format!("after {time} s")), "{stem}: {time}");
+    }
 }

@@ -1,7 +1,10 @@
 //! A tank that empties: a root, a quotient, and Torricelli's law solved in closed form.
 
-use crate::bench::{program, step_of};
-use crate::common::{ran, voltage};
+use patchcord::program::Program;
+use patchcord::solve::{self, RunSettings};
+
+use crate::bench::{lesson, program, step_of};
+use crate::common::{circuit, ran, voltage};
 
 const STEM: &str = "square-root-and-division";
 
@@ -30,4 +33,14 @@ fn the_height_is_a_parabola_and_the_jet_and_the_time_left_fall_evenly() {
             assert!((left / (0.5 * (empty - time)) - 1.0).abs() < allowed, "{left} s left after {time} s");
         }
     }
+}
+
+#[test]
+fn an_empty_tank_leaves_nothing_to_divide_by() {
+    let circuit = circuit(&lesson(STEM), &[]);
+    let settings = RunSettings { duration: 240.0, ..RunSettings::of(&circuit).unwrap() };
+    let stopped = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap_err();
+    // Empty after 225.77 s; the step before is the last.
+    assert!(stopped.error.to_string().contains("at t = 225.5 s the loop M2, A3"), "{}", stopped.error);
+    assert_eq!(stopped.trace.time.last(), Some(&225.0));
 }
