@@ -1,14 +1,17 @@
 //! A thrown ball: range and time of flight with and without drag.
 
-use crate::bench::{next_rise, program, step_of};
-use crate::common::{ran, voltage};
+use patchcord::program::Program;
+use patchcord::solve::{self, RunSettings};
+
+use crate::bench::{lesson, next_rise, program, step_of, values};
+use crate::common::{circuit, ran, voltage};
 
 const STEM: &str = "projectile";
 const M: f64 = 0.145;
 const C: f64 = 8.8e-4;
 const G: f64 = 9.81;
 const DISTANCE: f64 = 2.5;
-const HEIGHT: f64 = 0.8;
+const HEIGHT: f64 = 1.1;
 const VELOCITY: f64 = 0.6;
 
 /// An amplification of 1e6 leaves the speed wrong by a millionth, and what follows from it by about as much.
@@ -61,5 +64,19 @@ fn straight_up_it_follows_the_closed_solution() {
         assert!((height / expected - 1.0).abs() < NEAR, "{height} {expected}");
         let [_, _, speed] = landing(&[("v0", v0), ("angle", 90.0)]);
         assert!((speed / (v0 * terminal / v0.hypot(terminal)) - 1.0).abs() < NEAR, "{speed}");
+    }
+}
+
+#[test]
+fn the_run_ends_each_throw_on_the_ground() {
+    let circuit = circuit(&lesson(STEM), &[]);
+    let trace = solve::run(&Program::new(&circuit).unwrap(), &RunSettings::of(&circuit).unwrap()).unwrap();
+    let (x, y) = (values(&trace, "x"), values(&trace, "y"));
+    let ends = [trace.sweeps[1].first - 1, trace.len() - 1];
+    // With air as the independent solver says, without air v0^2 sin(2 angle) / g.
+    let ranges = [112.298_851_802_9, 45.0 * 45.0 * 80f64.to_radians().sin() / G];
+    for (end, range) in ends.into_iter().zip(ranges) {
+        assert!((x[end] / range - 1.0).abs() < NEAR, "{} m, not {range} m", x[end]);
+        assert!(y[end].abs() < 1e-9, "{} m above the ground", y[end]);
     }
 }

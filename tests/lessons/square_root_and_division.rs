@@ -38,7 +38,7 @@ fn the_height_is_a_parabola_and_the_jet_and_the_time_left_fall_evenly() {
 #[test]
 fn an_empty_tank_leaves_nothing_to_divide_by() {
     let circuit = circuit(&lesson(STEM), &[]);
-    let settings = RunSettings { duration: 240.0, ..RunSettings::of(&circuit).unwrap() };
+    let settings = RunSettings::of(&circuit).unwrap().lasting(240.0);
     let stopped = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap_err();
     // Empty after 225.77 s; the step before is the last.
     assert!(stopped.error.to_string().contains("at t = 225.5 s the loop M2, A3"), "{}", stopped.error);
