@@ -35,20 +35,20 @@ pub(super) fn check(
     }
 }
 
-/// For every element, whether its voltage goes into an integrator, directly or through pots.
+/// For every element, whether it is a pot whose voltage goes into an integrator, directly or through other pots.
 fn before_integrators(graph: &Graph, cords: Cords) -> Vec<bool> {
+    let is = |index: NodeIndex, transfer| graph[index].kind.transfer == transfer;
+    let may_feed_one = |index: &NodeIndex| {
+        cords == Cords::Doubtful && is(*index, Transfer::Share) && graph.neighbors(*index).next().is_none()
+    };
     let mut before = vec![false; graph.node_count()];
-    let may_feed_one =
-        |index: &NodeIndex| cords == Cords::Doubtful && graph.neighbors(*index).next().is_none();
     let mut open: Vec<_> = graph.node_indices().filter(may_feed_one).collect();
     open.iter().for_each(|index| before[index.index()] = true);
-    open.retain(|index| graph[*index].kind.transfer == Transfer::Share);
-    open.extend(graph.node_indices().filter(|index| graph[*index].kind.transfer == Transfer::Integrating));
+    open.extend(graph.node_indices().filter(|index| is(*index, Transfer::Integrating)));
     while let Some(index) = open.pop() {
-        for driver in graph.neighbors_directed(index, Direction::Incoming) {
-            if !std::mem::replace(&mut before[driver.index()], true)
-                && graph[driver].kind.transfer == Transfer::Share
-            {
+        let drivers = graph.neighbors_directed(index, Direction::Incoming);
+        for driver in drivers.filter(|driver| is(*driver, Transfer::Share)) {
+            if !std::mem::replace(&mut before[driver.index()], true) {
                 open.push(driver);
             }
         }
@@ -283,7 +283,7 @@ const MOST_VARIED: usize = 6;
 #[cfg(test)]
 mod tests {
     use crate::circuit::Circuit;
-    use crate::patch::{ElementBuilder, PatchBuilder, Report};
+    use crate::patch::{Code, ElementBuilder, PatchBuilder, Report};
     use crate::program::Program;
     use crate::solve::Machine;
 
@@ -312,6 +312,24 @@ mod tests {
         let warnings = pot_at(builder, "a").unwrap().warnings();
         assert_eq!(warnings.findings.len(), 1, "{warnings}");
         assert_eq!(warnings.findings[0].message, "\"setting\" of P would come to 1.5 at k = 3");
+    }
+
+    #[test]
+    fn a_lag_takes_no_rates_and_a_free_pot_is_none() {
+        let told = |last: ElementBuilder, kind: &str, setting: &str| {
+            let builder = PatchBuilder::new("rates").parameter("w", 0.5, "1/s", [0.1, 1.0]);
+            let pot = ElementBuilder::new(kind).cord("in", "+100").set("setting", setting);
+            let pot = if kind == "pot" { pot } else { pot.cord("end", "ground") };
+            let patch = builder.element("P", pot).element("A", last.cords("x1", ["P"]));
+            let codes = Circuit::new(&patch.record(["A"]).build().unwrap(), &[]).err();
+            codes.map_or(vec![], |report| report.findings.iter().map(|finding| finding.code).collect())
+        };
+        let lag = || ElementBuilder::new("lag").set("time", 1);
+        assert_eq!(told(lag(), "pot", "0.5"), []);
+        assert!(told(lag(), "pot", "w").contains(&Code::UnitMismatch));
+        let integrator = || ElementBuilder::new("integrator");
+        assert_eq!(told(integrator(), "pot", "w"), []);
+        assert!(told(integrator(), "free-pot", "w").contains(&Code::UnitMismatch));
     }
 
     /// A chain of pots, each at a rate, into an amplifier of a kind.

@@ -72,7 +72,7 @@ pub(super) fn parameters_json(circuit: &Circuit) -> Value {
     told.collect()
 }
 
-/// The step plays no part in initial condition, but delay lines want one.
+/// The step plays no part in initial condition, but delay lines and lags want one.
 const ANY_STEP: f64 = 1e-4;
 
 /// The machine in initial condition.
@@ -83,12 +83,16 @@ pub(super) fn problem_check<'p>(circuit: &Circuit, program: &'p Program) -> Resu
     }
 }
 
-/// A machine with a step that no delay is too short for.
+/// A machine with a step that no delay and no lag is too short for.
 fn with_any_step(program: &Program) -> Result<Machine<'_>, RunError> {
     let mut step = ANY_STEP;
     loop {
         match Machine::new(program, step) {
-            Err(RunError::DelayTooShort { delay, .. }) if 0.0 < delay && delay < step => step = delay,
+            Err(RunError::DelayTooShort { delay: time, .. } | RunError::LagTooShort { time, .. })
+                if 0.0 < time && time < step =>
+            {
+                step = time
+            }
             outcome => return outcome,
         }
     }

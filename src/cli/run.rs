@@ -138,7 +138,7 @@ impl Arguments {
             RunError::LongerThanRun { .. } | RunError::NotATime { .. } => times,
             RunError::TooManySteps { .. } => times || self.repeat.is_some(),
             RunError::TooManyNumbers { .. } => times || self.repeat.is_some() || !self.record.is_empty(),
-            RunError::DelayTooShort { .. } => self.step.is_some(),
+            RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => self.step.is_some(),
             _ => false,
         }
     }
@@ -210,7 +210,9 @@ fn advice(error: &RunError) -> Option<String> {
             Some(format!("give {}", times.iter().map(option).collect::<Vec<_>>().join(" and ")))
         }
         RunError::LongerThanRun { which, .. } => Some(format!("give a shorter one with {}", option(which))),
-        RunError::DelayTooShort { .. } => Some("give one with --step".to_owned()),
+        RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => {
+            Some("give one with --step".to_owned())
+        }
         RunError::TooManySteps { .. } => Some("give a longer --step or a shorter --for".to_owned()),
         RunError::TooManyNumbers { .. } => Some("give a longer --every or a shorter --for".to_owned()),
         _ => None,

@@ -19,6 +19,7 @@ mod integrator;
 mod inverter;
 mod key_switch;
 mod kind;
+mod lag;
 mod log;
 mod multiplier;
 mod open_amplifier;
@@ -47,6 +48,7 @@ pub static REGISTRY: &[&Kind] = &[
     &inverter::KIND,
     &open_amplifier::KIND,
     &integrator::KIND,
+    &lag::KIND,
     &pot::KIND,
     &free_pot::KIND,
     &absolute::KIND,

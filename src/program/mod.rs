@@ -113,6 +113,17 @@ pub(crate) struct State {
     pub limits: [Register; 2],
     /// Coefficient of the initial condition.
     pub initial: u32,
+    /// Of a lag: how fast it comes back by itself.
+    pub lag: Option<TimeConstant>,
+}
+
+/// The time constant of a lag.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TimeConstant {
+    /// Coefficient of the time in machine seconds.
+    pub time: u32,
+    /// Problem seconds in a machine second.
+    pub problem_seconds: f64,
 }
 
 /// A named discrete value, constant within a step.

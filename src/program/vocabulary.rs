@@ -1,7 +1,7 @@
 //! What an element's law can read, and the operations that it can emit.
 
 use super::lower::Lowering;
-use super::{Delay, Guard, Kept, Mode, ModeHandle, Op, Register, State, Transition};
+use super::{Delay, Guard, Kept, Mode, ModeHandle, Op, Register, State, TimeConstant, Transition};
 use crate::elements::{Default as SettingDefault, Family, Measure};
 use crate::machines::REFERENCE;
 use crate::patch::{Amount, Function};
@@ -244,6 +244,7 @@ impl Lowering<'_> {
             demand: unset,
             limits: [unset; 2],
             initial,
+            lag: None,
         });
         self.own_state.insert(self.current, index);
         self.emit(Op::State(index))
@@ -257,6 +258,14 @@ impl Lowering<'_> {
     /// The output of the current element, for its memory law.
     pub fn own_output(&self) -> Register {
         self.outputs[self.current].expect("the output law comes before the memory law")
+    }
+
+    /// A setting that is the time constant of the current element's state: no step is longer.
+    pub fn time_constant(&mut self, name: &str) -> Register {
+        let (time, problem_seconds) = (self.required(name), 1.0 / self.circuit.time_scale());
+        let index = self.own_state() as usize;
+        self.program.states[index].lag = Some(TimeConstant { time, problem_seconds });
+        self.emit(Op::Coefficient(time))
     }
 
     /// Sets d/dt of the current element's state, in volts per machine second. At ±100 V the state is held

@@ -52,6 +52,19 @@ pub enum RunError {
         /// The step in problem seconds.
         step: f64,
     },
+    /// A lag shorter than the step.
+    #[error(
+        "{element} has a time constant of {time} s, less than the step of {step} s; take a step of at most {time} s",
+        time = told(*time), step = told(*step)
+    )]
+    LagTooShort {
+        /// The lag.
+        element: String,
+        /// Its time constant in problem seconds.
+        time: f64,
+        /// The step in problem seconds.
+        step: f64,
+    },
     /// A parameter that does not exist.
     #[error("there is no parameter {0} to set")]
     UnknownParameter(String),
@@ -164,6 +177,7 @@ impl RunError {
             RunError::Loop { .. } => "loop-unsolved",
             RunError::Chatter { .. } => "chatter",
             RunError::DelayTooShort { .. } => "delay-too-short",
+            RunError::LagTooShort { .. } => "lag-too-short",
             RunError::UnknownParameter(_) => "unknown-parameter",
             RunError::UnknownElement(_) => "unknown-element",
             RunError::UnknownSignal(_) => "unknown-signal",

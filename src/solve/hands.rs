@@ -2,6 +2,7 @@
 
 use super::error::RunError;
 use super::machine::{Machine, MachineMode};
+use crate::program::TimeConstant;
 
 impl Machine<'_> {
     /// Turns whatever pots follow from a parameter, given in its declared unit; also while running.
@@ -86,7 +87,7 @@ impl Machine<'_> {
                 (self.coefficients[delay.time as usize], self.coefficients[delay.initial as usize]);
             line.set(time * delay.problem_seconds, initial, self.time);
         }
-        self.check_delays()?;
+        self.check_times()?;
         match self.mode {
             MachineMode::InitialCondition => self.initial_condition(),
             _ => self.disturbed(),
@@ -102,11 +103,24 @@ impl Machine<'_> {
         }
     }
 
-    pub(super) fn check_delays(&self) -> Result<(), RunError> {
+    /// A time constant in problem seconds.
+    pub(super) fn time_of(&self, lag: TimeConstant) -> f64 {
+        self.coefficient(lag.time) * lag.problem_seconds
+    }
+
+    /// Delays and lags must not be shorter than the step.
+    pub(super) fn check_times(&self) -> Result<(), RunError> {
+        let shortest = self.step * (1.0 - 1e-9);
         for (line, delay) in self.lines.iter().zip(&self.program.delays) {
-            if line.delay() < self.step * (1.0 - 1e-9) {
+            if line.delay() < shortest {
                 let element = self.program.name(delay.element).to_owned();
                 return Err(RunError::DelayTooShort { element, delay: line.delay(), step: self.step });
+            }
+        }
+        for state in &self.program.states {
+            if let Some(time) = state.lag.map(|lag| self.time_of(lag)).filter(|time| *time < shortest) {
+                let element = self.program.name(state.element).to_owned();
+                return Err(RunError::LagTooShort { element, time, step: self.step });
             }
         }
         Ok(())

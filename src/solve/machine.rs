@@ -102,8 +102,8 @@ impl<'p> Machine<'p> {
     /// A machine in initial condition, with a step in problem seconds.
     ///
     /// # Errors
-    /// When the step is not a time above 0, a delay is shorter than the step, or a voltage in initial
-    /// condition is not a number.
+    /// When the step is not a time above 0, a delay or a lag is shorter than the step, or a voltage in
+    /// initial condition is not a number.
     pub fn new(program: &'p Program, step: f64) -> Result<Self, RunError> {
         if !(step > 0.0 && step.is_finite()) {
             return Err(RunError::NotATime { which: TimeSetting::Step, value: step });
@@ -136,7 +136,7 @@ impl<'p> Machine<'p> {
             parameters,
             coefficients,
         };
-        machine.check_delays()?;
+        machine.check_times()?;
         machine.initial_condition()?;
         Ok(machine)
     }

@@ -32,14 +32,17 @@ impl Machine<'_> {
         }
     }
 
-    /// Lights the lamps of integrators that are held at ±100 V while they are driven on.
+    /// Lights the lamps of integrators that are held at ±100 V while they are driven on. A lag would come back by
+    /// itself the more the farther it had gone.
     pub(super) fn watch_integrators(&mut self) {
         let length = self.time - self.last.time;
         for (index, state) in self.program.states.iter().enumerate() {
             let outward = self.registers[state.demand.index()] * self.states[index].signum();
             let held = self.last.states[index].abs() >= REFERENCE && outward > 0.0;
+            let time = state.lag.map_or(f64::INFINITY, |lag| self.time_of(lag));
             let pushed = &mut self.pushed[index];
-            *pushed = if held { *pushed + length * outward } else { 0.0 };
+            let kept = 1.0 / (1.0 + length / time);
+            *pushed = if held { (*pushed + length * outward) * kept } else { 0.0 };
             let asked = REFERENCE + *pushed;
             if asked > LAMP_LEVEL {
                 light(&mut self.lamps[state.element], state.element, self.last.time, asked);

@@ -299,7 +299,13 @@ fn a_run_that_stops_writes_what_it_recorded() {
 #[test]
 fn a_missing_run_is_told_at_once_and_checks_nevertheless() {
     let delay = r#""B1": {"kind": "summer", "in": {"x1": ["D1"]}}, "D1": {"kind": "delay", "in": "A2", "delay": 1e-6}"#;
-    let (_folder, file) = spring_with(r#""B1": {"kind": "summer", "in": {"x1": ["A2"]}}"#, delay);
+    let lag = r#""B1": {"kind": "lag", "in": {"x1": ["A2"]}, "time": 1e-6}"#;
+    [delay, lag].into_iter().for_each(missing_run_is_told);
+}
+
+/// The same of a spring whose inverter is made of something that wants a short step.
+fn missing_run_is_told(inverter: &str) {
+    let (_folder, file) = spring_with(r#""B1": {"kind": "summer", "in": {"x1": ["A2"]}}"#, inverter);
     let text = fs::read_to_string(&file).unwrap();
     fs::write(&file, text.replace(",\n  \"run\": {\"for\": 3.25, \"step\": 1e-3}", "")).unwrap();
     let ran = patchcord(&["run", &file]);

@@ -21,6 +21,7 @@ mod function_generator;
 mod integrator;
 mod inverter;
 mod key_switch;
+mod lag;
 mod log;
 mod multiplier;
 mod open_amplifier;

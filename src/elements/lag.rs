@@ -1,0 +1,41 @@
+//! First-order lag: an integrating amplifier with a resistor across its capacitor.
+
+use crate::machines::Part;
+use crate::program::{Lowering, Register};
+
+use super::{Input, Kind, Measure, Output, Setting, Takes};
+
+pub(super) static KIND: Kind = Kind {
+    name: "lag",
+    summary: "first-order lag: an integrating amplifier with a resistor across its capacitor; follows late, and inverts",
+    law: "time x d out / dt = -(sum of gain x input) - out: a constant sum is followed to 63 % after time; a sine of \
+          1 / (2 pi time) comes out as 0.7071 of it, 45 degrees late",
+    overload: "stops at ±100 V and leaves at once when its input turns; the lamp lights when more is asked for",
+    modes: "stands at initial in initial condition; keeps its output in hold",
+    source: "thesis 8.3, Fig 8.15",
+    symbol: "lag",
+    inputs: &[Input::gains("x", "summing inputs, the gain for slow signals in the name").remembered()],
+    settings: &[
+        Setting::required("time", Measure::MachineSeconds, "time constant; at least one step of the run")
+            .within(1e-9, 1e6),
+        Setting::preset("initial", Measure::Volts, 0.0, "output in initial condition"),
+    ],
+    parts: &[Takes::always(Part::Integrator, 1)],
+    output: Output::Integrator,
+    output_law,
+    memory_law: Some(memory_law),
+    ..Kind::NETWORK
+};
+
+fn output_law(lowering: &mut Lowering<'_>) -> Register {
+    lowering.new_state("initial")
+}
+
+fn memory_law(lowering: &mut Lowering<'_>) {
+    let (sum, out) = (lowering.sum("x"), lowering.own_output());
+    let asked = lowering.negate(sum);
+    let missing = lowering.subtract(asked, out);
+    let time = lowering.time_constant("time");
+    let rate = lowering.divide(missing, time);
+    lowering.set_rate(rate);
+}
