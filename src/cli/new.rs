@@ -29,9 +29,12 @@ pub(super) fn new(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
         return say_json(&json!({"ok": true, "files": [file.display().to_string()]}));
     }
-    let [patch, picture] = [file.clone(), file.with_extension("svg")].map(|path| quoted(&path));
+    let [patch, drawing, picture] =
+        [file.clone(), file.with_extension("schematic.svg"), file.with_extension("svg")]
+            .map(|path| quoted(&path));
     say(&format!(
-        "wrote {}\n\nRead its notes, then:\n  patchcord check {patch} --voltages\n  patchcord run {patch} --plot {picture}\n",
+        "wrote {}\n\nRead its notes, then:\n  patchcord check {patch} --voltages\n  \
+         patchcord draw {patch} --plot {drawing}\n  patchcord run {patch} --plot {picture}\n",
         file.display()
     ))
 }

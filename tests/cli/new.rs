@@ -18,18 +18,15 @@ fn it_checks_without_a_word_runs_and_draws() {
     assert_eq!((code(&made), errors(&made).as_str()), (0, ""));
     for (number, line) in out(&made).lines().filter(|line| line.starts_with("  patchcord ")).enumerate() {
         let words: Vec<_> = line.split_whitespace().skip(1).collect();
-        assert_eq!(words[0], ["check", "run"][number]);
+        assert_eq!(words[0], ["check", "draw", "run"][number]);
         let ran = there(&folder, &words);
         assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""), "{line}");
-        let shown = out(&ran);
-        assert!(
-            ["nothing wrong\nMy spring\n", "no overload"].iter().any(|told| shown.contains(told)),
-            "{shown}"
-        );
+        let told = ["nothing wrong\nMy spring\n", "wrote my-spring.schematic.svg\n", "no overload"][number];
+        assert!(out(&ran).contains(told), "{}", out(&ran));
     }
     let picture = fs::read_to_string(folder.path().join("my-spring.svg")).unwrap();
     assert!(picture.contains("Position and velocity") && picture.contains("polyline"));
-    assert_eq!(fs::read_dir(&folder).unwrap().count(), 2);
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 3);
 }
 
 #[test]
