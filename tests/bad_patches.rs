@@ -248,13 +248,12 @@ fn check_refusal(report: &Report, text: &str) {
     }
 }
 
-#[test]
-fn mutated_patches_get_a_report_or_a_circuit() {
-    let good = good_patch();
+/// Mutates a good patch so many times; at least half of what comes out is refused.
+fn mutate(good: &str, rounds: usize) {
     let mut dice = Dice(0x9e37_79b9_7f4a_7c15);
     let mut refused = 0;
-    for _ in 0..4000 {
-        let text = mutated(&good, &mut dice);
+    for _ in 0..rounds {
+        let text = mutated(good, &mut dice);
         match judged("mutated.json", &text, &[]) {
             Err(report) => {
                 refused += 1;
@@ -263,7 +262,17 @@ fn mutated_patches_get_a_report_or_a_circuit() {
             Ok(warnings) => assert!(!warnings.has_errors(), "{warnings}"),
         }
     }
-    assert!((2000..4000).contains(&refused), "{refused} of 4000 are refused");
+    assert!((rounds / 2..rounds).contains(&refused), "{refused} of {rounds} are refused");
+}
+
+#[test]
+fn mutated_patches_get_a_report_or_a_circuit() {
+    mutate(&good_patch(), 4000);
+}
+
+#[test]
+fn mutated_macros_get_a_report_or_a_circuit() {
+    mutate(&fs::read_to_string("tests/patches/lags-in-macros.json").unwrap(), 4000);
 }
 
 const DIAGNOSTICS: &str = "docs/diagnostics.md";

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::macros;
 use crate::elements::Takes;
 use crate::machines::{Machine, Part};
 use crate::patch::{Code, Diagnostic, Entry, Patch, Placed};
@@ -50,7 +51,7 @@ fn applies(entry: &Entry, takes: &Takes) -> bool {
 /// The element that takes one too many is where the reader has to look.
 fn exceeded(patch: &Patch, machine: &Machine, part: Part, count: usize, owned: usize) -> Diagnostic {
     let mut left = owned;
-    let guilty = patch.elements.values().find(|entry| match left.checked_sub(taken(entry, part)) {
+    let guilty = patch.elements.iter().find(|(_, entry)| match left.checked_sub(taken(entry, part)) {
         Some(rest) => {
             left = rest;
             false
@@ -60,7 +61,8 @@ fn exceeded(patch: &Patch, machine: &Machine, part: Part, count: usize, owned: u
     let owned = if owned == 0 { "none".to_owned() } else { owned.to_string() };
     let message = format!("the patch takes {}, and the {} has {owned}", part.counted(count), machine.name);
     let hint = Some("do with fewer, or patch it on the machine \"unlimited\"".to_owned());
-    Diagnostic { code: Code::Inventory, span: guilty.map(|entry| entry.span), message, hint }
+    let span = guilty.map(|(name, entry)| macros::place(patch, name).unwrap_or(entry.span));
+    Diagnostic { code: Code::Inventory, span, message, hint }
 }
 
 /// Holds the parts that elements list against what they are made of and against each other.

@@ -2,6 +2,7 @@
 
 mod inventory;
 mod loops;
+mod macros;
 mod names;
 mod phases;
 mod resolve;
@@ -24,7 +25,6 @@ use crate::patch::{
 
 pub use scaling::ScalingRow;
 pub use scope::Quantities;
-pub(crate) use scope::TIME_SCALE;
 
 /// A patch that can be run: every input driven, units and inventory in order, loops known.
 #[derive(Debug)]
@@ -176,24 +176,24 @@ impl Circuit {
             .map(|((name, parameter), value)| (name.as_str(), parameter, value))
     }
 
-    /// Name and formula of a scale.
-    pub(crate) fn scale(&self, index: usize) -> (&str, &Formula) {
-        self.quantities.scale(index)
+    /// Name and formula of a scale or of a macro's setting ("L1.T").
+    pub(crate) fn derived(&self, index: usize) -> (&str, &Formula) {
+        self.quantities.derived(index)
     }
 
-    /// Index of a scale by name.
-    pub(crate) fn scale_index(&self, name: &str) -> Option<usize> {
-        self.patch.scales.get_index_of(name)
+    /// Its index by name; scales have the same among the scales of the patch.
+    pub(crate) fn derived_index(&self, name: &str) -> Option<usize> {
+        self.quantities.derived_index(name)
+    }
+
+    /// Its unit.
+    pub(crate) fn derived_unit(&self, index: usize) -> &Unit {
+        self.quantities.unit(index)
     }
 
     /// What one volt of a scale stands for, in the scale's unit.
     pub(crate) fn per_volt(&self, scale: usize) -> Option<f64> {
-        Some(self.scale_unit(scale).out_of_si(self.quantities.per_volt(scale)?))
-    }
-
-    /// The unit of a scale.
-    pub(crate) fn scale_unit(&self, index: usize) -> &Unit {
-        &self.patch.scales[index].unit
+        Some(self.derived_unit(scale).out_of_si(self.quantities.per_volt(scale)?))
     }
 
     /// Names, values and units of parameters and scales.
@@ -238,7 +238,7 @@ impl Circuit {
     pub(crate) fn signal_unit(&self, signal: &SignalPoint) -> (String, f64) {
         match signal.scale {
             Some(scale) => {
-                let unit = self.scale_unit(scale);
+                let unit = self.derived_unit(scale);
                 (unit.text().to_owned(), unit.factor())
             }
             None => ("V".to_owned(), 1.0),

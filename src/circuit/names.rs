@@ -1,13 +1,10 @@
 //! Names: what a cord may say, and that no name stands for two things.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use super::scope::TIME_SCALE;
-use crate::elements::REFERENCES;
-use crate::patch::{Callee, Code, Diagnostic, Patch, Placed, Span, suggestion};
-
-/// Columns of the recorded table that are no signals.
-const COLUMNS: [&str; 3] = ["t", "run", "phase"];
+use crate::patch::{
+    Code, Diagnostic, Patch, Placed, Span, outlet_name, quantity_name, same_name, suggestion,
+};
 
 /// Where this much is wrong, names are no longer held against all that are known to guess what was meant.
 const MOST_GUESSED: usize = 50;
@@ -30,9 +27,9 @@ pub(super) fn found_or_told<'k, T>(
     found
 }
 
-/// Names in the order of the alphabet.
-pub(super) fn sorted<'k, V>(places: &HashMap<&'k str, V>) -> Vec<&'k str> {
-    let mut names: Vec<_> = places.keys().copied().collect();
+/// Names of outlets in the order of the alphabet: those of the graph, and those of the ports of macros.
+pub(super) fn outlets<'k, V>(patch: &'k Patch, places: &HashMap<&'k str, V>) -> Vec<&'k str> {
+    let mut names: Vec<_> = places.keys().copied().chain(patch.ports.keys().map(String::as_str)).collect();
     names.sort_unstable();
     names
 }
@@ -44,15 +41,20 @@ pub(super) fn check(patch: &Patch, findings: &mut Vec<Diagnostic>) {
     let quantities: Vec<_> = parameters.chain(scales).collect();
     twice(&quantities, findings);
     for (name, span, noun) in quantities {
-        quantity_name(name, span, noun, findings);
+        findings.extend(quantity_name(name, span, noun));
     }
     let drives = patch.drives.iter().map(|(name, drive)| (name, drive.span, "drive"));
     let elements = patch.elements.iter().map(|(name, element)| (name, element.span, "element"));
     let signals = patch.signals.iter().map(|(name, signal)| (name, signal.span, "signal"));
-    let outlets: Vec<_> = drives.chain(elements).chain(signals).collect();
+    let noun = |name| if patch.instances.contains_key(name) { "element" } else { "output" };
+    let ports = patch.ports.iter().map(|(name, port)| (name, port.span, noun(name)));
+    let outlets: Vec<_> = drives.chain(elements).chain(ports).chain(signals).collect();
     twice(&outlets, findings);
-    for (name, span, noun) in outlets {
-        outlet_name(name, span, noun, findings);
+    // Names inside macros and of their instances have been looked at when these were written out.
+    let inside: HashSet<&String> =
+        patch.instances.values().flat_map(|instance| &instance.members).chain(patch.ports.keys()).collect();
+    for (name, span, noun) in outlets.into_iter().filter(|(name, ..)| !inside.contains(name)) {
+        findings.extend(outlet_name(name, span, noun));
     }
 }
 
@@ -60,45 +62,7 @@ fn twice(named: &[(&String, Span, &str)], findings: &mut Vec<Diagnostic>) {
     let mut seen: HashMap<&str, &str> = HashMap::new();
     for (name, span, noun) in named {
         if let Some(first) = seen.insert(name, noun) {
-            let message = format!("the {noun} {name} has the name of {}", with_article(first));
-            findings.push(Diagnostic::at(Code::DuplicateName, *span, message).hint("rename one of them"));
+            findings.push(same_name(name, *span, noun, first));
         }
     }
-}
-
-fn with_article(noun: &str) -> String {
-    let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
-    format!("{article} {noun}")
-}
-
-fn quantity_name(name: &str, span: Span, noun: &str, findings: &mut Vec<Diagnostic>) {
-    let starts = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
-    let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    let reserved = name == "pi" || name == TIME_SCALE || Callee::named(name).is_some();
-    if starts && plain && !reserved {
-        return;
-    }
-    let message = format!("\"{name}\" cannot name {}", with_article(noun));
-    let hint = if reserved {
-        "the name has a meaning of its own in formulas"
-    } else {
-        "formulas read letters, digits and _, a letter first"
-    };
-    findings.push(Diagnostic::at(Code::BadName, span, message).hint(hint));
-}
-
-fn outlet_name(name: &str, span: Span, noun: &str, findings: &mut Vec<Diagnostic>) {
-    let plain = name.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c));
-    let starts = name.starts_with(char::is_alphabetic);
-    let reserved = COLUMNS.contains(&name) || REFERENCES.iter().any(|(reference, _)| *reference == name);
-    if starts && plain && !reserved {
-        return;
-    }
-    let message = format!("\"{name}\" cannot name {}", with_article(noun));
-    let hint = if reserved {
-        "the machine uses this name itself"
-    } else {
-        "use letters, digits, _ - . and a letter first"
-    };
-    findings.push(Diagnostic::at(Code::BadName, span, message).hint(hint));
 }

@@ -78,7 +78,7 @@ impl Checker<'_> {
     fn scale_stays(&self, parameter: usize, name: &Placed<String>, findings: &mut Vec<Diagnostic>) {
         let depends = |formula: &Formula| self.quantities.named_in(formula).parameters.contains(&parameter);
         let scale = (0..self.patch.scales.len())
-            .map(|index| self.quantities.scale(index))
+            .map(|index| self.quantities.derived(index))
             .find(|(_, formula)| depends(formula));
         if let Some((scale, _)) = scale {
             let message = format!("setting {} would change the scale {scale} within the record", name.value);

@@ -3,9 +3,9 @@
 use petgraph::graph::{DiGraph, NodeIndex};
 use std::collections::{HashMap, HashSet};
 
-use super::names::{found_or_told, sorted};
+use super::names::{found_or_told, outlets};
 use super::scope::Quantities;
-use super::{Circuit, Cord, Element, inventory, loops, names, phases, settings, signals};
+use super::{Circuit, Cord, Element, inventory, loops, macros, names, phases, settings, signals};
 use crate::elements::{Input, Jacks, Kind, REFERENCE, REFERENCES, Transfer, gain_of};
 use crate::machines::{self, Machine};
 use crate::patch::{
@@ -30,7 +30,7 @@ pub(super) fn circuit(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
     if !any_error(&findings) {
         unused(patch, &graph, &mut findings);
     }
-    let report = Report::new(patch.file(), patch.text(), findings);
+    let report = Report::new(patch.file(), patch.text(), macros::once(patch, findings));
     if report.has_errors() {
         return Err(Box::new(report));
     }
@@ -191,7 +191,8 @@ impl Cords<'_> {
     fn driver(&self, plug: &Plug, findings: &mut Vec<Diagnostic>) -> Option<NodeIndex> {
         let message = || format!("{} is driven by {}, which is not in the patch", self.name, plug.from.value);
         let found = self.places.get(plug.from.value.as_str()).copied();
-        found_or_told(self.patch, &plug.from, found, message, || sorted(self.places), findings)
+        let known = || outlets(self.patch, self.places);
+        found_or_told(self.patch, &plug.from, found, message, known, findings)
     }
 
     /// Reports cords for which an input has no jacks.
@@ -252,21 +253,31 @@ fn gains(machine: &Machine, kind: &Kind) -> &'static [f64] {
     if kind.transfer == Transfer::Integrating { machine.integrator_gains } else { machine.summer_gains }
 }
 
-/// Warns of elements whose output nothing reads, records or draws.
+/// Warns of elements whose output nothing reads, records or draws. Outputs of macros may be left open, as long as
+/// one of the instance is read.
 fn unused(patch: &Patch, graph: &Graph, findings: &mut Vec<Diagnostic>) {
     let read_at = patch.signals.values().map(|signal| &signal.at);
     let drawn = patch.pictures.iter().flat_map(|picture| picture.y.iter().chain([&picture.x]));
     let named = read_at.chain(&patch.record).chain(drawn).map(|name| name.value.as_str());
     let named: HashSet<&str> = named.chain(phases::relays(patch)).collect();
+    let outputs = macros::outputs(patch);
     for index in graph.node_indices() {
         let element = &graph[index];
         let Some(span) = element.span else { continue };
-        if graph.neighbors(index).next().is_none() && !named.contains(element.name.as_str()) {
-            let message = format!("nothing reads {}", element.name);
-            let hint = "name a signal at it, plug it in somewhere, or leave it out";
-            findings.push(Diagnostic::at(Code::UnusedElement, span, message).hint(hint));
+        let name = element.name.as_str();
+        let is_read = graph.neighbors(index).next().is_some() || named.contains(name);
+        if !is_read && !outputs.contains(name) {
+            findings.push(unread(name, span));
         }
     }
+    for (name, span) in macros::unread(patch, graph, &named) {
+        findings.push(unread(name, span));
+    }
+}
+
+fn unread(name: &str, span: Span) -> Diagnostic {
+    Diagnostic::at(Code::UnusedElement, span, format!("nothing reads {name}"))
+        .hint("name a signal at it, plug it in somewhere, or leave it out")
 }
 
 #[cfg(test)]

@@ -232,7 +232,7 @@ fn row(circuit: &Circuit, output: &SignalPoint, stretch: &Stretch<'_>) -> Option
 fn volt(circuit: &Circuit, point: &SignalPoint) -> Option<(f64, Dimension)> {
     let scale = point.scale?;
     let value = circuit.quantities().per_volt(scale)?;
-    Some((value * point.factor, circuit.scale_unit(scale).dimension()))
+    Some((value * point.factor, circuit.derived_unit(scale).dimension()))
 }
 
 /// A physical gain made of the patch's parameters.

@@ -1,4 +1,4 @@
-//! The quantities that formulas may name: parameters, scales, the time scale.
+//! The quantities that formulas may name: parameters, scales, settings of macros, the time scale.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
@@ -6,21 +6,22 @@ use indexmap::IndexMap;
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
+use super::macros;
 use crate::patch::{
-    Code, Diagnostic, Dimension, Formula, FormulaError, FormulaMeasure, Lost, Parameter, Patch, Placed,
-    Scale, Scope, Span, Unit, suggestion, told,
+    Code, Diagnostic, Dimension, Formula, FormulaMeasure, InstanceSetting, Lost, Parameter, Patch, Placed,
+    Scale, Scope, Span, TIME_SCALE, Unit, in_formula, misfit, suggestion, told,
 };
-
-/// Name under which formulas reach the machine seconds per problem second.
-pub(crate) const TIME_SCALE: &str = "time_scale";
 
 /// Values and units of everything that formulas may name.
 #[derive(Debug, Clone)]
 pub struct Quantities {
     parameters: IndexMap<String, Named>,
-    scales: IndexMap<String, Named>,
+    /// What is worked out of formulas: the scales, then the settings of macros' instances ("L1.T").
+    derived: IndexMap<String, Named>,
     formulas: Vec<Formula>,
-    /// The scales that can be worked out, each after those that it names.
+    /// How many of them are scales.
+    scales: usize,
+    /// Those that can be worked out, each after those that it names.
     order: Vec<usize>,
     time_scale: f64,
     lost: Lost,
@@ -36,50 +37,54 @@ struct Named {
 impl Quantities {
     /// Parameters at their values (changed by `changes`) and scales worked out of them.
     pub(super) fn new(patch: &Patch, changes: &[(String, f64)], findings: &mut Vec<Diagnostic>) -> Self {
-        let unknown = |scale: &Scale| Named { unit: scale.unit.clone(), value: None };
-        let formula = |scale: &Scale| match &scale.per_volt {
+        let derivations = derivations(patch);
+        let unknown = |(name, derivation): (&String, &Derivation<'_>)| {
+            (name.clone(), Named { unit: derivation.unit.clone(), value: None })
+        };
+        let formula = |derivation: &Derivation<'_>| match derivation.formula {
             Some(placed) => placed.value.clone(),
             None => Formula::constant(f64::NAN),
         };
         let mut quantities = Quantities {
             parameters: parameters(patch, changes, findings),
-            scales: patch.scales.iter().map(|(name, scale)| (name.clone(), unknown(scale))).collect(),
-            formulas: patch.scales.values().map(formula).collect(),
+            derived: derivations.iter().map(unknown).collect(),
+            formulas: derivations.values().map(formula).collect(),
+            scales: patch.scales.len(),
             order: Vec::new(),
             time_scale: patch.time_scale,
             lost: patch.lost().clone(),
         };
-        quantities.work_out_scales(patch, findings);
+        quantities.work_out(patch, &derivations, findings);
         quantities
     }
 
-    /// The parameters that a formula names, itself or through scales, and these scales in their order.
+    /// The parameters that a formula names, itself or through what is derived of them, and that in its order.
     pub(super) fn named_in(&self, formula: &Formula) -> Dependencies {
-        let (mut parameters, mut scales) = (BTreeSet::new(), HashSet::new());
+        let (mut parameters, mut derived) = (BTreeSet::new(), HashSet::new());
         let mut open = vec![formula];
         while let Some(formula) = open.pop() {
             for name in formula.names() {
                 parameters.extend(self.parameters.get_index_of(name));
-                let scale = self.scales.get_index_of(name).filter(|scale| scales.insert(*scale));
-                open.extend(scale.map(|scale| &self.formulas[scale]));
+                let index = self.derived.get_index_of(name).filter(|index| derived.insert(*index));
+                open.extend(index.map(|index| &self.formulas[index]));
             }
         }
-        let scales = self.order.iter().copied().filter(|scale| scales.contains(scale)).collect();
-        Dependencies { parameters: parameters.into_iter().collect(), scales }
+        let derived = self.order.iter().copied().filter(|index| derived.contains(index)).collect();
+        Dependencies { parameters: parameters.into_iter().collect(), derived }
     }
 
-    /// The same quantities with parameters at other values (in their declared units), and these scales with them.
-    pub(super) fn varied(&self, values: &[(usize, f64)], scales: &[usize]) -> Varied<'_> {
+    /// The same quantities with parameters at other values (in their declared units), and with them what is
+    /// derived of them.
+    pub(super) fn varied(&self, values: &[(usize, f64)], derived: &[usize]) -> Varied<'_> {
         let in_si = |(parameter, value): &(usize, f64)| {
             let (name, named) = self.parameters.get_index(*parameter)?;
             Some((name.as_str(), Some(named.unit.to_si(*value))))
         };
         let mut varied = Varied { quantities: self, changed: values.iter().filter_map(in_si).collect() };
-        for scale in scales {
-            let value = self.formulas[*scale].evaluate(&varied).ok();
-            let value =
-                value.map(|value| self.in_si(&self.formulas[*scale], value, &self.scales[*scale].unit));
-            varied.changed.insert(self.scale(*scale).0, value);
+        for index in derived {
+            let (name, formula) = self.derived(*index);
+            let value = formula.evaluate(&varied).ok();
+            varied.changed.insert(name, value.map(|value| self.in_si(formula, value, self.unit(*index))));
         }
         varied
     }
@@ -89,15 +94,25 @@ impl Quantities {
         self.parameters.values().map(|named| named.unit.out_of_si(named.value.unwrap_or(f64::NAN)))
     }
 
-    /// Name and formula of a scale.
-    pub(super) fn scale(&self, index: usize) -> (&str, &Formula) {
-        let name = self.scales.get_index(index).map_or("", |(name, _)| name);
+    /// Name and formula of a scale or of a macro's setting.
+    pub(super) fn derived(&self, index: usize) -> (&str, &Formula) {
+        let name = self.derived.get_index(index).map_or("", |(name, _)| name);
         (name, &self.formulas[index])
+    }
+
+    /// Its index by name.
+    pub(super) fn derived_index(&self, name: &str) -> Option<usize> {
+        self.derived.get_index_of(name)
+    }
+
+    /// Its unit.
+    pub(super) fn unit(&self, index: usize) -> &Unit {
+        &self.derived[index].unit
     }
 
     /// One volt of a scale in SI, where it could be worked out.
     pub(super) fn per_volt(&self, scale: usize) -> Option<f64> {
-        self.scales.get_index(scale)?.1.value
+        self.derived.get_index(scale)?.1.value
     }
 
     /// Whether a formula is made of bare numbers, and so takes the unit of its place.
@@ -110,62 +125,64 @@ impl Quantities {
         if self.is_plain(formula) { unit.to_si(value) } else { value }
     }
 
-    /// Scales may name other scales: each is worked out once those that it names are.
-    fn work_out_scales(&mut self, patch: &Patch, findings: &mut Vec<Diagnostic>) {
+    /// Formulas may name what other formulas give: each is worked out once those that it names are.
+    fn work_out(&mut self, patch: &Patch, derivations: &Derivations<'_>, findings: &mut Vec<Diagnostic>) {
         let naming = self.naming();
         // A component comes after those that it names.
         for mut members in kosaraju_scc(&naming) {
             members.sort_unstable();
             let first = members[0];
             if members.len() > 1 || naming.contains_edge(first, first) {
-                findings.push(self.ring(patch, &members));
+                findings.push(self.ring(&derivations[first.index()], &members));
                 continue;
             }
             self.order.push(first.index());
-            if let Some(per_volt) = &patch.scales[first.index()].per_volt {
-                self.scales[first.index()].value = self.checked_scale(first.index(), per_volt, findings);
+            if let Some(formula) = derivations[first.index()].formula {
+                let told = findings.len();
+                let value = self.checked_derived(first.index(), formula, findings);
+                macros::name(patch, self.derived(first.index()).0, &mut findings[told..]);
+                self.derived[first.index()].value = value;
             }
         }
     }
 
-    /// Which scales name which.
+    /// Which formulas name which.
     fn naming(&self) -> DiGraph<(), ()> {
         let mut naming = DiGraph::new();
         for _ in &self.formulas {
             naming.add_node(());
         }
         for (index, formula) in self.formulas.iter().enumerate() {
-            for named in formula.names().into_iter().filter_map(|name| self.scales.get_index_of(name)) {
+            for named in formula.names().into_iter().filter_map(|name| self.derived_index(name)) {
                 naming.add_edge(NodeIndex::new(index), NodeIndex::new(named), ());
             }
         }
         naming
     }
 
-    /// Scales that depend on themselves.
-    fn ring(&self, patch: &Patch, ring: &[NodeIndex]) -> Diagnostic {
-        let names: Vec<_> = ring.iter().map(|index| self.scale(index.index()).0).collect();
+    /// Scales that depend on themselves. Settings of macros cannot: they name what stands outside.
+    fn ring(&self, first: &Derivation<'_>, ring: &[NodeIndex]) -> Diagnostic {
+        let names: Vec<_> = ring.iter().map(|index| self.derived(index.index()).0).collect();
         let message = match names.as_slice() {
             [only] => format!("the scale {only} depends on itself"),
             names => format!("the scales {} depend on each other", names.join(", ")),
         };
-        let scale = &patch.scales[ring[0].index()];
-        let span = scale.per_volt.as_ref().map_or(scale.span, |placed| placed.span);
+        let span = first.formula.map_or(first.span, |placed| placed.span);
         Diagnostic::at(Code::BadFormula, span, message)
             .hint("give one of them as a number, or by parameters alone")
     }
 
-    fn checked_scale(
+    fn checked_derived(
         &self,
         index: usize,
         placed: &Placed<Formula>,
         findings: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
-        let unit = &self.scales[index].unit;
+        let unit = self.unit(index);
         let wanted = unit.dimension();
         let value = self.checked(placed, |found| found == wanted, &wanted.to_string(), findings)?;
         let value = self.in_si(&placed.value, value, unit);
-        if value == 0.0 && self.is_plain(&placed.value) {
+        if value == 0.0 && self.is_plain(&placed.value) && index < self.scales {
             let message = "a scale of 0 per volt measures nothing";
             let hint = "per_volt is what one volt stands for";
             findings.push(Diagnostic::at(Code::BadNumber, placed.span, message).hint(hint));
@@ -205,7 +222,7 @@ impl Quantities {
             return None;
         }
         let measured = formula.dimension(scope);
-        let measure = measured.map_err(|error| findings.push(misfit(placed, scope, error))).ok()?;
+        let measure = measured.map_err(|error| findings.push(misfit(scope, placed, error))).ok()?;
         if let FormulaMeasure::Of(found) = measure
             && !fits(found)
         {
@@ -219,7 +236,7 @@ impl Quantities {
 
     /// What to divide by to be left with a pure number: a scale, or a parameter that the formula does not name.
     fn divisor(&self, formula: &Formula, found: Dimension) -> String {
-        if let Some((name, _)) = self.scales.iter().find(|(_, scale)| scale.unit.dimension() == found) {
+        if let Some((name, _)) = self.scales().find(|(_, scale)| scale.unit.dimension() == found) {
             return format!("divide it by the scale {name}: that leaves volts");
         }
         let named = formula.names();
@@ -242,29 +259,16 @@ impl Quantities {
     }
 
     fn find(&self, name: &str) -> Option<&Named> {
-        self.parameters.get(name).or_else(|| self.scales.get(name))
+        self.parameters.get(name).or_else(|| self.derived.get(name))
+    }
+
+    fn scales(&self) -> impl Iterator<Item = (&String, &Named)> {
+        self.derived.iter().take(self.scales)
     }
 }
 
 fn measured_in(dimension: Dimension) -> String {
     if dimension.is_none() { "is a pure number".to_owned() } else { format!("is in {dimension}") }
-}
-
-/// A formula whose unit cannot be told: it names something unknown, or its units do not agree.
-fn misfit(placed: &Placed<Formula>, scope: &dyn Scope, error: FormulaError) -> Diagnostic {
-    let guilty = placed.value.text().get(error.range.clone()).unwrap_or_default();
-    let is_name = placed.value.names().contains(&guilty) && scope.dimension(guilty).is_none();
-    if !is_name {
-        return in_formula(Code::UnitMismatch, placed, error);
-    }
-    let hint = error.hint.clone().or_else(|| suggestion(guilty, &scope.names()));
-    in_formula(Code::UnknownName, placed, error).maybe_hint(hint)
-}
-
-/// A formula's own error, at its place in the document. Only a formula in quotes can have one.
-fn in_formula(code: Code, placed: &Placed<Formula>, error: FormulaError) -> Diagnostic {
-    let inside = error.range.start + 1..error.range.end + 1;
-    Diagnostic::at(code, placed.span.part(&inside), error.message).maybe_hint(error.hint)
 }
 
 /// A number that overflows where it is brought to SI units or volts.
@@ -289,15 +293,41 @@ impl Scope for Quantities {
     }
 
     fn names(&self) -> Vec<&str> {
-        let named = self.parameters.keys().chain(self.scales.keys()).map(String::as_str);
-        named.chain([TIME_SCALE]).collect()
+        let scales = self.scales().map(|(name, _)| name);
+        self.parameters.keys().chain(scales).map(String::as_str).chain([TIME_SCALE]).collect()
     }
 }
 
 /// What the value of a formula depends on.
 pub(super) struct Dependencies {
     pub parameters: Vec<usize>,
-    pub scales: Vec<usize>,
+    pub derived: Vec<usize>,
+}
+
+/// How a scale or a setting of a macro's instance comes about.
+struct Derivation<'p> {
+    formula: Option<&'p Placed<Formula>>,
+    unit: &'p Unit,
+    span: Span,
+}
+
+type Derivations<'p> = IndexMap<String, Derivation<'p>>;
+
+/// The scales of a patch, and the settings of the instances in it under the names that formulas have for them.
+fn derivations(patch: &Patch) -> Derivations<'_> {
+    let mut derivations = Derivations::new();
+    for (name, Scale { per_volt, unit, span }) in &patch.scales {
+        let derivation = Derivation { formula: per_volt.as_ref(), unit, span: *span };
+        derivations.insert(name.clone(), derivation);
+    }
+    for (instance, made) in &patch.instances {
+        for (name, InstanceSetting { value, unit }) in &made.settings {
+            let derivation = Derivation { formula: Some(value), unit, span: value.span };
+            // A scale of that name has been told that it cannot have it.
+            derivations.entry(format!("{instance}.{name}")).or_insert(derivation);
+        }
+    }
+    derivations
 }
 
 /// Quantities of which some have other values.

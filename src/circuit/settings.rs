@@ -3,6 +3,7 @@
 use petgraph::Direction;
 use petgraph::graph::NodeIndex;
 
+use super::macros;
 use super::resolve::Graph;
 use super::scope::{Quantities, too_large};
 use crate::elements::{Default, Measure, REFERENCES, Setting, Transfer};
@@ -31,7 +32,9 @@ pub(super) fn check(
         let before_integrator = before_integrators[index.index()];
         let scale = entry.scale.as_ref().and_then(|scale| patch.scales.get_index_of(&scale.value));
         let checker = Checker { name, entry, patch, quantities, before_integrator, scale };
+        let told = findings.len();
         checker.all(findings);
+        macros::name(patch, name, &mut findings[told..]);
     }
 }
 
@@ -183,7 +186,7 @@ impl Checker<'_> {
     fn over_ranges(&self, row: &Setting, placed: &Placed<Formula>, findings: &mut Vec<Diagnostic>) {
         let named = self.quantities.named_in(&placed.value);
         let outside = self.corners(&named.parameters).into_iter().find_map(|corner| {
-            let comes_to = match placed.value.evaluate(&self.quantities.varied(&corner, &named.scales)) {
+            let comes_to = match placed.value.evaluate(&self.quantities.varied(&corner, &named.derived)) {
                 Ok(value) if row.allows(value) => return None,
                 Ok(value) => format!("would come to {}", told(value)),
                 Err(_) => "would have no value".to_owned(),

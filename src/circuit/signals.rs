@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 use indexmap::IndexSet;
 
 use super::SignalPoint;
-use super::names::{found_or_told, sorted};
+use super::names::{found_or_told, outlets};
 use super::resolve::{Graph, find_scale};
 use crate::elements::Family;
 use crate::patch::{Code, Diagnostic, Patch, Placed};
@@ -22,7 +22,7 @@ pub(super) fn resolve(
     for (name, signal) in &patch.signals {
         let message = || format!("there is no element {} to read at", signal.at.value);
         let found = places.get(signal.at.value.as_str()).copied();
-        let element = found_or_told(patch, &signal.at, found, message, || sorted(&places), findings);
+        let element = found_or_told(patch, &signal.at, found, message, || outlets(patch, &places), findings);
         let scale = signal.scale.as_ref().and_then(|scale| find_scale(patch, scale, findings));
         if let Some(element) = element {
             points.push(SignalPoint { name: name.clone(), element, scale, factor: signal.factor });

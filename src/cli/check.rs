@@ -1,6 +1,7 @@
 //! `patchcord check`
 
 use clap::Args;
+use indexmap::IndexMap;
 use serde_json::{Value, json};
 
 use super::failure::{Failure, plural};
@@ -8,7 +9,7 @@ use super::load::{Loaded, PatchArguments, parameters_json, problem_check};
 use super::table::Table;
 use super::{say, say_json};
 use patchcord::circuit::{Circuit, ScalingRow};
-use patchcord::patch::Report;
+use patchcord::patch::{Instance, Report};
 use patchcord::program::Program;
 
 #[derive(Args)]
@@ -69,10 +70,25 @@ fn summary(circuit: &Circuit, program: &Program) -> String {
         None => part.counted(*used),
     });
     text += &format!("on the {}: {}\n", machine.name, parts.collect::<Vec<_>>().join(", "));
+    for (name, instances) in instances(circuit) {
+        let names: Vec<_> = instances.iter().map(|(name, _)| *name).collect();
+        text += &format!("macro {name}: {}\n", names.join(", "));
+    }
     for entry in program.loops() {
         text += &format!("loop without an integrator, one solution: {}\n", entry.members.join(", "));
     }
     text
+}
+
+/// The macros that are used, with their instances.
+fn instances(circuit: &Circuit) -> Vec<(&str, Vec<(&str, &Instance)>)> {
+    let patch = circuit.patch();
+    let mut of: IndexMap<&str, Vec<_>> =
+        patch.macros.keys().map(|name| (name.as_str(), Vec::new())).collect();
+    for (name, instance) in &patch.instances {
+        of[instance.of.as_str()].push((name.as_str(), instance));
+    }
+    of.into_iter().filter(|(_, instances)| !instances.is_empty()).collect()
 }
 
 fn verdict(warnings: usize) -> String {
@@ -123,11 +139,26 @@ fn document(circuit: &Circuit, program: &Program, voltages: &[Static]) -> Value 
         "parts": circuit.parts().iter().map(|(part, used)| json!({
             "part": part.key(), "used": used, "owned": circuit.machine().count(*part),
         })).collect::<Value>(),
+        "macros": instances(circuit).iter().map(|(name, instances)| json!({
+            "macro": name,
+            "instances": instances.iter().map(|(name, instance)| instance_json(name, instance)).collect::<Value>(),
+        })).collect::<Value>(),
         "loops": program.loops().iter().map(|entry| json!(entry.members)).collect::<Value>(),
         "voltages": voltages.iter().map(|read| json!({
             "element": read.element, "kind": read.kind, "volts": read.volts,
         })).collect::<Value>(),
         "scaling": circuit.scaling().iter().map(row_json).collect::<Value>(),
+    })
+}
+
+fn instance_json(name: &str, instance: &Instance) -> Value {
+    let inputs = instance.inputs.iter().map(|(port, inlet)| (port.clone(), json!(inlet.driver)));
+    let outputs = instance.outputs.iter().map(|(port, element)| (port.clone(), json!(element)));
+    json!({
+        "name": name,
+        "inputs": Value::Object(inputs.collect()),
+        "outputs": Value::Object(outputs.collect()),
+        "elements": instance.members,
     })
 }
 

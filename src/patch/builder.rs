@@ -67,6 +67,11 @@ impl PatchBuilder {
         self.insert("elements", name, Value::Object(element.entry))
     }
 
+    /// A macro: elements may name it as their kind.
+    pub fn define(self, name: &str, definition: MacroBuilder) -> Self {
+        self.insert("macros", name, Value::Object(definition.entry))
+    }
+
     /// A signal read at an element's output: `factor` times the voltage in a scale.
     pub fn signal(self, name: &str, at: &str, scale: &str, factor: f64) -> Self {
         self.insert("signals", name, json!({"at": at, "scale": scale, "factor": factor}))
@@ -102,10 +107,72 @@ impl PatchBuilder {
     }
 
     fn insert(mut self, section: &str, name: &str, value: Value) -> Self {
-        let section = self.document.entry(section).or_insert_with(|| Value::Object(Map::new()));
-        if let Value::Object(named) = section {
-            named.insert(name.to_owned(), value);
-        }
+        insert(&mut self.document, section, name, value);
+        self
+    }
+}
+
+fn insert(into: &mut Map<String, Value>, section: &str, name: &str, value: Value) {
+    let section = into.entry(section).or_insert_with(|| Value::Object(Map::new()));
+    if let Value::Object(named) = section {
+        named.insert(name.to_owned(), value);
+    }
+}
+
+/// A macro of a [`PatchBuilder`].
+///
+/// ```
+/// use patchcord::patch::{ElementBuilder, MacroBuilder, PatchBuilder};
+///
+/// let decay = MacroBuilder::new()
+///     .output("out", "A")
+///     .setting("start", "V", 50)
+///     .element("A", ElementBuilder::new("integrator").cords("x1", ["I"]).set("initial", "start"))
+///     .element("I", ElementBuilder::new("summer").cords("x1", ["A"]));
+/// let patch = PatchBuilder::new("two decays")
+///     .define("decay", decay)
+///     .element("D1", ElementBuilder::new("decay"))
+///     .element("D2", ElementBuilder::new("decay").set("start", 20))
+///     .build()?;
+/// assert_eq!(patch.elements.len(), 4);
+/// # Ok::<(), Box<patchcord::patch::Report>>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct MacroBuilder {
+    entry: Map<String, Value>,
+}
+
+impl MacroBuilder {
+    /// A macro of nothing yet.
+    pub fn new() -> Self {
+        MacroBuilder::default()
+    }
+
+    /// An input port, and what it is for.
+    pub fn input(self, port: &str, description: &str) -> Self {
+        self.insert("inputs", port, description.into())
+    }
+
+    /// An output port: an element inside. The first is what the bare name of an instance means.
+    pub fn output(self, port: &str, element: &str) -> Self {
+        self.insert("outputs", port, element.into())
+    }
+
+    /// A setting in a unit; `default` may be null: then every instance must give it.
+    pub fn setting(self, name: &str, unit: &str, default: impl Into<Value>) -> Self {
+        let default = default.into();
+        let setting =
+            if default.is_null() { json!({"unit": unit}) } else { json!({"unit": unit, "default": default}) };
+        self.insert("settings", name, setting)
+    }
+
+    /// An element, or an instance of another macro.
+    pub fn element(self, name: &str, element: ElementBuilder) -> Self {
+        self.insert("elements", name, Value::Object(element.entry))
+    }
+
+    fn insert(mut self, section: &str, name: &str, value: Value) -> Self {
+        insert(&mut self.entry, section, name, value);
         self
     }
 }

@@ -103,6 +103,14 @@ codes! {
         "name a relay";
     ScaleInRun "scale-in-run" Error "A phase of a run sets a parameter on which a scale depends."
         "give the scale as a number: what is recorded is read in one scale from beginning to end";
+    UnusedMacro "unused-macro" Warning "A macro that no element is an instance of."
+        "use it as the kind of an element, or leave it out";
+    UnusedPort "unused-port" Warning "An input or a setting of a macro that nothing inside reads."
+        "read it inside, or leave it out";
+    MacroRing "macro-ring" Error "Macros that hold each other, and so have no end."
+        "take an instance out of one of them";
+    MacroTooLarge "macro-too-large" Error "Macros that, written out, make a patch beyond reason."
+        "use fewer instances, or put fewer macros inside each other";
     LoopWithoutSolution "loop-without-solution" Error "A loop without an integrator that no set of voltages satisfies."
         "put an integrator or a lag into the loop";
     LoopWithSolutions "loop-with-solutions" Error "A loop without an integrator that several sets of voltages satisfy."

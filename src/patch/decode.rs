@@ -11,6 +11,7 @@ use super::diagnostic::{Diagnostic, Span};
 use super::document::{FORMAT_VERSION, Parameter, Patch, PictureSpec, Placed, Scale, Signal};
 use super::fields::{Fields, Findings, list, number, positive, word, words, wrong_type};
 use super::formula::Formula;
+use super::macros;
 use super::tree::{self, Content, Node};
 use super::units::{Unit, nearest};
 use crate::elements::Family;
@@ -40,8 +41,10 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     fields.each("drives", all, |named, all| {
         keep(&mut patch.drives, lost, named, entry(named, Family::Drive, all));
     });
+    let macros = macros::read(&mut fields, all);
+    let mut elements = IndexMap::new();
     fields.each("elements", all, |named, all| {
-        keep(&mut patch.elements, lost, named, entry(named, Family::Computing, all));
+        keep(&mut elements, lost, named, macros.item(named, all));
     });
     fields.each("signals", all, |named, all| {
         keep(&mut patch.signals, lost, named, signal(named, all));
@@ -53,6 +56,7 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     fields.text("$schema", all);
     patch.lost.section = has_lost_section(&fields);
     fields.finish(all);
+    macros::write_out(macros, elements, patch, all);
     patch.findings = findings;
     Ok(())
 }
@@ -138,7 +142,7 @@ fn scale(named: &tree::Entry, findings: &mut Findings) -> Option<Scale> {
     Some(Scale { per_volt, unit: unit?, span: named.key_span })
 }
 
-fn unit(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Unit> {
+pub(super) fn unit(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Unit> {
     let node = fields.need("unit", "such as \"N s/m\", or \"1\" for a pure number")?;
     let text = word(node, "unit", findings)?;
     Unit::parse(&text.value)

@@ -11,7 +11,7 @@ use super::places::Places;
 use super::units::nearest;
 
 /// A stretch of the document's text, in bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Span {
     /// First byte.
     pub start: usize,

@@ -12,6 +12,7 @@ use super::code::Code;
 use super::decode;
 use super::diagnostic::{Diagnostic, Report, Span};
 use super::formula::Formula;
+use super::macros::{Instance, Macro, Port};
 use super::phase::Phase;
 use super::tree;
 use super::units::Unit;
@@ -166,9 +167,9 @@ pub(crate) struct Lost {
 }
 
 impl Lost {
-    /// Whether a name that is not known may be one of these.
+    /// Whether a name that is not known may be one of these, or "lost.port" of an instance that is one.
     pub fn may_hold(&self, name: &str) -> bool {
-        self.section || self.names.contains(name)
+        self.section || beginnings(name).chain([name]).any(|name| self.names.contains(name))
     }
 }
 
@@ -197,8 +198,16 @@ pub struct Patch {
     pub scales: IndexMap<String, Scale>,
     /// Drives by name.
     pub drives: IndexMap<String, Entry>,
-    /// Elements by name.
+    /// Elements by name, those of instances of macros among them ("L1.A1").
     pub elements: IndexMap<String, Entry>,
+    /// Macros by name.
+    pub macros: IndexMap<String, Macro>,
+    /// Instances of macros by name; one inside another ("L1.inner") comes after it.
+    pub instances: IndexMap<String, Instance>,
+    /// The names that cords and signals give to elements inside instances: "L1", "L1.minus".
+    pub(crate) ports: IndexMap<String, Port>,
+    /// Where the section of macros stands.
+    pub(crate) macros_at: Span,
     /// Signals by name.
     pub signals: IndexMap<String, Signal>,
     /// How to run.
@@ -290,6 +299,10 @@ impl Patch {
             scales: IndexMap::new(),
             drives: IndexMap::new(),
             elements: IndexMap::new(),
+            macros: IndexMap::new(),
+            instances: IndexMap::new(),
+            ports: IndexMap::new(),
+            macros_at: Span::default(),
             signals: IndexMap::new(),
             run: RunPlan::default(),
             record: Vec::new(),
@@ -336,8 +349,14 @@ impl Patch {
     }
 }
 
+/// What stands before the dots of a name: the instances that it may be a port of. More dots than these are never
+/// instances inside instances.
+pub(super) fn beginnings(name: &str) -> impl Iterator<Item = &str> {
+    name.match_indices('.').map(|(dot, _)| &name[..dot]).take(64)
+}
+
 /// Bytes of the largest document that is read: the tree of a text takes a hundred times its room.
-const LARGEST: usize = 16_000_000;
+pub(super) const LARGEST: usize = 16_000_000;
 
 /// The bytes of a file; of one that is too large, no more than shows it.
 fn read(path: &Path) -> std::io::Result<Vec<u8>> {

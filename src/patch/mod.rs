@@ -11,13 +11,16 @@ mod document;
 mod fields;
 mod formula;
 mod function;
+mod macros;
+mod misfit;
+mod names;
 mod phase;
 mod places;
 mod schema;
 mod tree;
 mod units;
 
-pub use builder::{ElementBuilder, PatchBuilder};
+pub use builder::{ElementBuilder, MacroBuilder, PatchBuilder};
 pub use code::Code;
 pub use diagnostic::{Diagnostic, Report, Severity, Span, suggestion};
 pub(crate) use document::Lost;
@@ -29,9 +32,12 @@ pub use formula::{
     Callee, Expression, Formula, FormulaError, Measure as FormulaMeasure, Node, Operator, Scope,
 };
 pub use function::Function;
+pub use macros::{Feed, Inlet, Instance, InstanceSetting, Macro, MacroOutput, MacroSetting};
 pub(crate) use phase::Extent;
 pub use phase::{Change, Phase, Until};
 pub use schema::json_schema;
 pub use units::{Dimension, Unit, UnitError, engineering};
 
 pub(crate) use diagnostic::{any_error, told};
+pub(crate) use misfit::{in_formula, misfit};
+pub(crate) use names::{TIME_SCALE, outlet_name, quantity_name, same_name};

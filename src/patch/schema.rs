@@ -26,13 +26,14 @@ pub fn json_schema() -> Value {
             "parameters": named(parameter()),
             "scales": named(scale()),
             "drives": named(one_of(Family::Drive)),
-            "elements": named(one_of(Family::Computing)),
+            "macros": named(macro_of_elements()),
+            "elements": elements(),
             "signals": named(signal()),
             "run": run(),
             "record": names("signals, drives or elements to record"),
             "pictures": {"type": "array", "items": picture()},
         },
-        "$defs": {"formula": formula(), "cords": cords(), "phases": phases()},
+        "$defs": {"formula": formula(), "cords": cords(), "element": element(), "phases": phases()},
     })
 }
 
@@ -176,9 +177,65 @@ fn picture() -> Value {
 }
 
 fn one_of(family: Family) -> Value {
-    let kinds: Vec<_> =
-        REGISTRY.iter().filter(|kind| kind.family == family).map(|kind| entry(kind)).collect();
-    json!({"oneOf": kinds})
+    json!({"oneOf": kinds(family)})
+}
+
+fn kinds(family: Family) -> Vec<Value> {
+    REGISTRY.iter().filter(|kind| kind.family == family).map(|kind| entry(kind)).collect()
+}
+
+fn elements() -> Value {
+    named(json!({"$ref": "#/$defs/element"}))
+}
+
+/// An element of a kind, or an instance of a macro.
+fn element() -> Value {
+    let mut choices = kinds(Family::Computing);
+    choices.push(instance());
+    json!({"oneOf": choices})
+}
+
+/// Any other kind is a macro of the patch: its ports and settings are known there only.
+fn instance() -> Value {
+    let taken: Vec<_> = REGISTRY.iter().map(|kind| kind.name).collect();
+    json!({
+        "type": "object",
+        "required": ["kind"],
+        "properties": {
+            "kind": {"type": "string", "not": {"enum": taken}, "description": "the name of a macro"},
+            "note": text("anything else"),
+        },
+        "additionalProperties": {
+            "type": ["string", "number", "array"],
+            "items": {"type": "string"},
+            "description": "what is plugged into an input of the macro, or the value of a setting",
+        },
+    })
+}
+
+fn macro_of_elements() -> Value {
+    let ports = |description: &str| named(text(description));
+    let mut outputs = ports("the element inside that it is");
+    outputs["minProperties"] = 1.into();
+    let setting = object(
+        &["unit"],
+        json!({
+            "unit": text("its unit, such as s: plain numbers stand in it"),
+            "default": {"$ref": "#/$defs/formula"},
+            "description": text("what it does"),
+            "note": text("anything else"),
+        }),
+    );
+    object(
+        &["outputs", "elements"],
+        json!({
+            "note": text("what it is"),
+            "inputs": ports("what is plugged in there"),
+            "outputs": outputs,
+            "settings": named(setting),
+            "elements": elements(),
+        }),
+    )
 }
 
 fn entry(kind: &Kind) -> Value {

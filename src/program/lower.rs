@@ -139,7 +139,7 @@ impl<'c> Lowering<'c> {
             let per_volt =
                 signal.scale.map(|scale| self.signal_coefficient(&signal.name, scale, signal.factor));
             let (unit, per_unit) = self.circuit.signal_unit(signal);
-            let dimension = signal.scale.map(|scale| self.circuit.scale_unit(scale).dimension());
+            let dimension = signal.scale.map(|scale| self.circuit.derived_unit(scale).dimension());
             let register = self.outputs[signal.element].expect("outputs come before signals");
             self.program.signals.push(Probe {
                 name: signal.name.clone(),

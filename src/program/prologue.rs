@@ -7,7 +7,7 @@ use crate::patch::{Amount, Callee, Expression, Formula, Function, Node, Operator
 
 impl Lowering<'_> {
     pub(super) fn signal_coefficient(&mut self, name: &str, scale: usize, factor: f64) -> u32 {
-        let volt = self.scale(scale);
+        let volt = self.derived(scale);
         let factor = self.early(Op::Constant(factor));
         let register = self.early(Op::Multiply(volt, factor));
         let index = self.push_coefficient(register, format!("signal {name} per volt"), (f64::MIN, f64::MAX));
@@ -17,8 +17,8 @@ impl Lowering<'_> {
     }
 
     pub(super) fn scale_coefficient(&mut self, scale: usize) -> u32 {
-        let register = self.scale(scale);
-        let label = format!("scale {} per volt", self.circuit.scale(scale).0);
+        let register = self.derived(scale);
+        let label = format!("scale {} per volt", self.circuit.derived(scale).0);
         let index = self.push_coefficient(register, label, (f64::MIN, f64::MAX));
         self.program.coefficients[index as usize].span = Some(self.circuit.patch().scales[scale].span);
         index
@@ -68,8 +68,8 @@ impl Lowering<'_> {
             return value;
         }
         let Some(scale) = self.circuit.element(self.current).scale else { return value };
-        let volt = self.scale(scale);
-        let value = self.in_si(value, formula, self.circuit.scale_unit(scale).factor());
+        let volt = self.derived(scale);
+        let value = self.in_si(value, formula, self.circuit.derived_unit(scale).factor());
         self.early(Op::Divide(value, volt))
     }
 
@@ -81,14 +81,14 @@ impl Lowering<'_> {
         self.early(Op::Multiply(value, unit))
     }
 
-    /// A scale's value of one volt, in SI.
-    pub(super) fn scale(&mut self, index: usize) -> Register {
-        let (name, formula) = self.circuit.scale(index);
+    /// A scale's value of one volt, or a macro's setting, in SI.
+    pub(super) fn derived(&mut self, index: usize) -> Register {
+        let (name, formula) = self.circuit.derived(index);
         if let Some(register) = self.names.get(name) {
             return *register;
         }
         let value = self.expression(formula.root());
-        let register = self.in_si(value, formula, self.circuit.scale_unit(index).factor());
+        let register = self.in_si(value, formula, self.circuit.derived_unit(index).factor());
         self.names.insert(name.to_owned(), register);
         register
     }
@@ -117,8 +117,8 @@ impl Lowering<'_> {
         if let Some(register) = self.names.get(name) {
             return *register;
         }
-        if let Some(index) = self.circuit.scale_index(name) {
-            return self.scale(index);
+        if let Some(index) = self.circuit.derived_index(name) {
+            return self.derived(index);
         }
         let parameter = self.program.parameters.iter().position(|slot| slot.name == name);
         let register = match parameter {

@@ -1,8 +1,7 @@
 //! What the formulas of a run may name, as it stands at an instant: parameters, scales, the time scale, signals.
 
 use super::{Probe, Program};
-use crate::circuit::TIME_SCALE;
-use crate::patch::{Dimension, Formula, FormulaError, Scope};
+use crate::patch::{Dimension, Formula, FormulaError, Scope, TIME_SCALE};
 
 /// A scale as the formulas of a run read it.
 #[derive(Debug, Clone)]

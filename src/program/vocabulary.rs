@@ -225,8 +225,8 @@ impl Lowering<'_> {
     pub fn volts_per_signal(&mut self) -> Register {
         let element = self.circuit.element(self.current);
         let Some(scale) = element.scale else { return self.constant(1.0) };
-        let volt = self.scale(scale);
-        let unit = self.early(Op::Constant(self.circuit.scale_unit(scale).factor()));
+        let volt = self.derived(scale);
+        let unit = self.early(Op::Constant(self.circuit.derived_unit(scale).factor()));
         let register = self.early(Op::Divide(unit, volt));
         let index =
             self.push_coefficient(register, format!("{} volts per unit", element.name), (f64::MIN, f64::MAX));

@@ -123,7 +123,7 @@ fn preset(circuit: &Circuit, element: &Element, row: &SettingRow) -> Option<Sett
 
 /// The unit of a setting's numbers.
 fn unit(circuit: &Circuit, element: &Element, row: &SettingRow) -> String {
-    let scale = element.scale.map(|scale| circuit.scale_unit(scale).text());
+    let scale = element.scale.map(|scale| circuit.derived_unit(scale).text());
     match (row.measure, scale) {
         (Measure::Signal, Some(scale)) => scale.to_owned(),
         (Measure::SignalRate, Some(scale)) => format!("{scale}/s"),
@@ -187,7 +187,7 @@ fn drive_row(circuit: &Circuit, drive: &Symbol) -> Row {
 fn signal_rows(circuit: &Circuit) -> Vec<Row> {
     let signals = circuit.patch().signals.iter();
     let row = |(name, signal): (&String, &crate::patch::Signal)| {
-        let scale = signal.scale.as_ref().and_then(|scale| circuit.scale_index(&scale.value));
+        let scale = signal.scale.as_ref().and_then(|scale| circuit.derived_index(&scale.value));
         let volt = scale.and_then(|scale| volt(circuit, scale, signal.factor));
         Row::new(name, &volt.unwrap_or_default(), &format!("at {}", signal.at.value))
     };
@@ -199,6 +199,6 @@ fn volt(circuit: &Circuit, scale: usize, factor: f64) -> Option<String> {
     let value = factor * circuit.per_volt(scale)?;
     Some(format!(
         "1 V = {}",
-        Display::new(circuit.scale_unit(scale).text(), value).text(value).replace('-', "−")
+        Display::new(circuit.derived_unit(scale).text(), value).text(value).replace('-', "−")
     ))
 }

@@ -2,6 +2,7 @@
 
 mod completions;
 mod draw;
+mod macros;
 mod man;
 mod new;
 

@@ -48,6 +48,23 @@ impl Node {
         names
     }
 
+    /// The same part with other names, for those that `other` has one for.
+    pub(super) fn renamed(&self, other: &impl Fn(&str) -> Option<String>) -> Node {
+        let inner = |node: &Node| Box::new(node.renamed(other));
+        let expression = match &self.expression {
+            Expression::Number(value) => Expression::Number(*value),
+            Expression::Name(name) => Expression::Name(other(name).unwrap_or_else(|| name.clone())),
+            Expression::Negate(node) => Expression::Negate(inner(node)),
+            Expression::Binary(operator, left, right) => {
+                Expression::Binary(*operator, inner(left), inner(right))
+            }
+            Expression::Call(callee, arguments) => {
+                Expression::Call(*callee, arguments.iter().map(|argument| argument.renamed(other)).collect())
+            }
+        };
+        Node { expression, range: self.range.clone() }
+    }
+
     fn collect_names<'n>(&'n self, names: &mut Vec<&'n str>) {
         match &self.expression {
             Expression::Name(name) if !names.contains(&name.as_str()) => names.push(name),

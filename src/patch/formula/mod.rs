@@ -61,6 +61,11 @@ impl Formula {
         self.root.names()
     }
 
+    /// The same formula with other names, for those that `other` has one for; its text stays.
+    pub(crate) fn renamed(&self, other: &impl Fn(&str) -> Option<String>) -> Self {
+        Self { text: self.text.clone(), root: self.root.renamed(other) }
+    }
+
     /// The value, a finite number, when the names have the values they have in `scope`.
     ///
     /// # Errors
