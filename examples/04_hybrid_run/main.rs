@@ -1,4 +1,4 @@
-//! Finds the muzzle velocity that hits a target: shots flown until they land, each corrected by the one before.
+//! Looks for the muzzle velocity that hits a target: shots flown until they land, each corrected by the one before.
 
 use std::error::Error;
 use std::path::Path;

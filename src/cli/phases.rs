@@ -60,7 +60,7 @@ fn phase_json(mark: &Mark) -> Value {
         Deed::Set(values) => {
             let values = values.iter();
             told["set"] = values
-                .map(|new| json!({"name": new.parameter, "value": new.value, "unit": new.unit}))
+                .map(|new| json!({"name": new.parameter, "value": new.value, "before": new.before, "unit": new.unit}))
                 .collect();
         }
         _ => {}

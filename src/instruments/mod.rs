@@ -1,5 +1,6 @@
 //! Instruments: what can be read from a trace.
 
+mod family;
 mod harmonic;
 mod log;
 mod quantity;

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use super::family::labels;
 use super::{Display, deed};
 use crate::patch::PictureSpec;
 use crate::plot::{Axis, Channel, Mark, Picture};
@@ -57,6 +58,8 @@ pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<String>) -> Resul
     let (vertical, up) = axis(&left, Axis::UP);
     let second = (!right.is_empty()).then(|| axis(&right, Axis::UP));
     let breaks: Vec<usize> = trace.sweeps.iter().map(|sweep| sweep.first).collect();
+    // One channel carries the labels of a family: the others run beside it.
+    let mut labels = labels(trace);
     let channels = shown.iter().map(|quantity| {
         let on_right = quantity.unit != left_unit;
         let scale = if on_right { second.as_ref().map_or(&up, |(_, scale)| scale) } else { &up };
@@ -67,6 +70,7 @@ pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<String>) -> Resul
             points: points.collect(),
             right: on_right,
             breaks: breaks.clone(),
+            labels: std::mem::take(&mut labels),
         }
     });
     Ok(Picture {
@@ -141,7 +145,7 @@ fn axis(quantities: &[&Quantity<'_>], divisions: usize) -> (Axis, Display) {
 mod tests {
     use super::*;
     use crate::patch::{Placed, Span};
-    use crate::trace::Sweep;
+    use crate::trace::{Ending, NewValue, Sweep};
 
     fn spec(x: &str, y: &[&str]) -> PictureSpec {
         let placed = |name: &str| Placed { value: name.to_owned(), span: Span::default() };
@@ -183,6 +187,40 @@ mod tests {
     fn every_sweep_begins_a_new_line() {
         let picture = picture(&trace(), &spec("t", &["v"]), None).unwrap();
         assert_eq!(picture.channels[0].breaks, [0, 3]);
+    }
+
+    fn phase(phase: Deed, sweep: usize, begin: f64) -> Phase {
+        let (end, sample, ended) = (begin, 3 * sweep, Ending::Time);
+        Phase { phase, sweep, begin, end, problem_time: begin, sample, ended }
+    }
+
+    #[test]
+    fn phases_within_a_run_are_marked_where_they_begin() {
+        let operate = || Deed::Operate { until: None };
+        let set = |before: f64, value: f64| {
+            Deed::Set(vec![NewValue { parameter: "k".into(), value, before, unit: "N/m".into() }])
+        };
+        let mut trace = trace();
+        trace.sweeps.iter_mut().for_each(|sweep| sweep.end = 2.0);
+        for (sweep, first) in [(0, 1.0), (1, 3.0)] {
+            trace.marks.extend([
+                phase(Deed::InitialCondition, sweep, 0.0),
+                phase(operate(), sweep, 0.0),
+                phase(Deed::Hold, sweep, 0.5),
+                phase(set(first, first + 1.0), sweep, 1.0),
+                phase(operate(), sweep, 1.0),
+                phase(set(first + 1.0, 3.0), sweep, 2.0),
+            ]);
+        }
+        let against_time = picture(&trace, &spec("t", &["v", "w"]), None).unwrap();
+        let told: Vec<_> = against_time.marks.iter().map(|mark| (mark.at, mark.label.as_str())).collect();
+        assert_eq!(told, [(0.5, "hold"), (1.0, "k = 2 N/m, operate"), (1.0, "k = 4 N/m, operate")]);
+        let labels = [(2, "k = 1 N/m".to_owned()), (5, "k = 3 N/m".to_owned())];
+        assert_eq!(
+            (&against_time.channels[0].labels[..], against_time.channels[1].labels.len()),
+            (&labels[..], 0)
+        );
+        assert!(picture(&trace, &spec("v", &["w"]), None).unwrap().marks.is_empty());
     }
 
     #[test]

@@ -22,6 +22,22 @@ impl Area {
         self.bottom - self.top
     }
 
+    /// The area with so much more on every side.
+    pub(super) fn grown(&self, by: f64) -> Area {
+        Area { left: self.left - by, top: self.top - by, right: self.right + by, bottom: self.bottom + by }
+    }
+
+    /// Whether another area lies inside this one.
+    pub(super) fn holds(&self, other: &Area) -> bool {
+        self.contains((other.left, other.top)) && self.contains((other.right, other.bottom))
+    }
+
+    /// Whether another area has anything in common with this one.
+    pub(super) fn meets(&self, other: &Area) -> bool {
+        let across = self.left <= other.right && other.left <= self.right;
+        across && self.top <= other.bottom && other.top <= self.bottom
+    }
+
     fn contains(&self, at: (f64, f64)) -> bool {
         (self.left..=self.right).contains(&at.0) && (self.top..=self.bottom).contains(&at.1)
     }

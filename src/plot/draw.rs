@@ -1,7 +1,7 @@
 use super::font::Font;
 use super::layout::Frame;
 use super::surface::Surface;
-use super::{Picture, PlotError, graticule, header, marks, palette, scales, trace};
+use super::{Picture, PlotError, graticule, header, labels, marks, palette, scales, trace};
 
 /// Draws one picture into the upper left corner of a surface.
 pub(super) fn picture(
@@ -14,11 +14,14 @@ pub(super) fn picture(
     let top = header::draw(picture, frame, font, surface)?;
     let screen = frame.screen(top);
     graticule::draw(picture, screen, surface)?;
-    marks::draw(picture, screen, font, surface)?;
+    let texts = marks::draw(picture, screen, font, surface)?;
+    let mut drawn = Vec::new();
     for (index, channel) in picture.channels.iter().enumerate() {
         let lines = trace::lines(picture, channel, screen, frame.unit);
         trace::draw(&lines, palette::trace(index), surface)?;
+        drawn.extend(lines);
     }
+    labels::draw(picture, &drawn, texts, screen, font, surface)?;
     graticule::border(screen, surface)?;
     scales::draw(picture, frame, screen, font, surface)
 }

@@ -21,18 +21,19 @@ const HALF: f64 = 0.5;
 /// Lines nearer to each other than this are drawn as one.
 const NEAREST: f64 = 2.0;
 
-/// Draws dashed upright lines, and their labels as far as there is room for them.
+/// Draws dashed upright lines, and their labels as far as there is room for them. Gives back where these stand.
 pub(super) fn draw(
     picture: &Picture,
     screen: Area,
     font: &Font,
     surface: &mut dyn Surface,
-) -> Result<(), PlotError> {
+) -> Result<Vec<Area>, PlotError> {
     let places = picture.marks.iter().map(|mark| picture.horizontal.fraction(mark.at));
     let mut marks: Vec<_> =
         places.zip(&picture.marks).filter(|(part, _)| (0.0..=1.0).contains(part)).collect();
     marks.sort_by(|one, other| one.0.total_cmp(&other.0));
-    let (mut line_free, mut label_free) = (screen.left, screen.left);
+    let mut texts: Vec<Area> = Vec::new();
+    let mut line_free = screen.left;
     for (part, mark) in marks {
         let x = (screen.left + part * screen.width()).floor() + HALF;
         if x >= line_free {
@@ -41,13 +42,14 @@ pub(super) fn draw(
         }
         let label = font.shortened(&mark.label, TEXT, screen.width());
         let (from, to) = (x + BESIDE, x + BESIDE + font.width(&label, TEXT));
+        let label_free = texts.last().map_or(screen.left, |last| last.right + BETWEEN);
         if from >= label_free && to <= screen.right {
             let lettering = Lettering { size: TEXT, colour: palette::NOTE, align: Align::Start };
             surface.text(&label, (from, screen.top + BELOW_EDGE), lettering)?;
-            label_free = to + BETWEEN;
+            texts.push(Area { left: from, top: screen.top, right: to, bottom: screen.top + BELOW_EDGE });
         }
     }
-    Ok(())
+    Ok(texts)
 }
 
 fn dashes(x: f64, screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {

@@ -14,6 +14,7 @@ mod font;
 mod format;
 mod graticule;
 mod header;
+mod labels;
 mod layout;
 mod marks;
 mod palette;

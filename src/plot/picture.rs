@@ -40,6 +40,8 @@ pub struct Channel {
     pub right: bool,
     /// Indices of points at which the pen is lifted and a new line starts.
     pub breaks: Vec<usize>,
+    /// Indices of points, and what is written beside them; left out where there is no room for it.
+    pub labels: Vec<(usize, String)>,
 }
 
 impl Picture {

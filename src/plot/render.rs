@@ -78,10 +78,10 @@ fn check_axis(axis: &Axis) -> Result<(), PlotError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::Channel;
+    use crate::plot::{Channel, Mark};
 
     fn channel(name: &str, points: Vec<(f64, f64)>) -> Channel {
-        Channel { name: name.to_owned(), points, right: false, breaks: vec![] }
+        Channel { name: name.to_owned(), points, right: false, breaks: vec![], labels: vec![] }
     }
 
     fn picture(channels: Vec<Channel>) -> Picture {
@@ -152,6 +152,23 @@ mod tests {
     }
 
     #[test]
+    fn marks_and_labels_are_written_where_there_is_room() {
+        let mark = |at: f64, label: &str| Mark { at, label: label.to_owned() };
+        let mut marked = wave();
+        marked.marks =
+            vec![mark(4.0, "k = 20 N/m"), mark(2.0, "hold"), mark(2.1, "no room"), mark(99.0, "outside")];
+        marked.channels[0].labels = vec![(499, "m = 2 kg".to_owned()), (7000, "nowhere".to_owned())];
+        let text = svg(&[marked.clone()]);
+        for part in ["hold", "k = 20 N/m", "m = 2 kg"] {
+            assert!(text.contains(&format!(">\n{part}\n<")), "{part}");
+        }
+        for part in ["no room", "outside", "nowhere"] {
+            assert!(!text.contains(part), "{part}");
+        }
+        assert!(!render(&[marked], Format::Png, Size::default()).unwrap().is_empty());
+    }
+
+    #[test]
     fn odd_pictures_are_drawn() {
         let nan = f64::NAN;
         let mut odd = picture(vec![
@@ -164,6 +181,10 @@ mod tests {
         odd.vertical.label = "long".repeat(200);
         odd.channels[0].name = "name ".repeat(200);
         odd.note = Some("note ".repeat(200));
+        let marks = [f64::NAN, f64::INFINITY, f64::MIN, 0.0, 0.5, 0.5];
+        odd.marks = marks.map(|at| Mark { at, label: "mark ".repeat(200) }).to_vec();
+        odd.channels[1].labels = vec![(0, "label ".repeat(200)), (1, String::new())];
+        odd.channels[2].labels = vec![(1, "far".to_owned())];
         odd.channels.extend((0..40).map(|n| channel(&format!("channel number {n}"), vec![])));
         let size = Size { width: Size::LEAST, height: Size::LEAST };
         for format in [Format::Svg, Format::Png] {

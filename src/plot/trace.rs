@@ -22,7 +22,8 @@ const FAR: f64 = 1e7;
 /// as the rounding of the data.
 const TOLERANCE: f64 = 0.25;
 
-type Line = Vec<(f64, f64)>;
+/// Points joined without lifting the pen.
+pub(super) type Line = Vec<(f64, f64)>;
 
 /// The lines of a channel on the screen, in picture units.
 pub(super) fn lines(picture: &Picture, channel: &Channel, screen: Area, unit: f64) -> Vec<Line> {
@@ -65,14 +66,14 @@ fn runs(channel: &Channel) -> Vec<&[(f64, f64)]> {
 }
 
 /// The way from the units of the axes to the screen.
-struct Projection<'a> {
-    picture: &'a Picture,
-    channel: &'a Channel,
-    screen: Area,
+pub(super) struct Projection<'a> {
+    pub picture: &'a Picture,
+    pub channel: &'a Channel,
+    pub screen: Area,
 }
 
 impl Projection<'_> {
-    fn place(&self, point: (f64, f64)) -> (f64, f64) {
+    pub(super) fn place(&self, point: (f64, f64)) -> (f64, f64) {
         let across = self.picture.horizontal.fraction(point.0);
         let up = self.picture.axis_of(self.channel).fraction(point.1);
         (
@@ -107,7 +108,7 @@ mod tests {
             horizontal: axis(),
             vertical: axis(),
             vertical_right: None,
-            channels: vec![Channel { name: String::new(), points, right: false, breaks }],
+            channels: vec![Channel { name: String::new(), points, right: false, breaks, labels: vec![] }],
             note: None,
             marks: vec![],
         };

@@ -143,8 +143,9 @@ impl<'p, 'w> Player<'p, 'w> {
             machine.program.parameter(name).ok_or_else(|| RunError::UnknownParameter(name.clone()))?;
         let value = standing.value_for(index, formula);
         let value = value.map_err(|error| bad_formula(change, error.message))?;
-        let unit = machine.program.parameters[index].unit.clone();
-        Ok(NewValue { parameter: name.clone(), value, unit })
+        let slot = &machine.program.parameters[index];
+        let before = machine.parameters[index] / slot.per_unit;
+        Ok(NewValue { parameter: name.clone(), value, before, unit: slot.unit.clone() })
     }
 }
 

@@ -44,6 +44,8 @@ pub struct NewValue {
     pub parameter: String,
     /// In its declared unit.
     pub value: f64,
+    /// What it was before.
+    pub before: f64,
     /// Text of that unit.
     pub unit: String,
 }
@@ -59,6 +61,16 @@ pub enum Ending {
     Overload,
     /// The run had to stop.
     Stopped,
+}
+
+impl Deed {
+    /// The parameters that were set.
+    pub fn new_values(&self) -> &[NewValue] {
+        match self {
+            Deed::Set(values) => values,
+            _ => &[],
+        }
+    }
 }
 
 impl Mark {
