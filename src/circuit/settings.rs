@@ -7,6 +7,7 @@ use super::macros;
 use super::resolve::Graph;
 use super::scope::{Quantities, too_large};
 use crate::elements::{Default, Measure, REFERENCES, Setting, Transfer};
+use crate::machines::REFERENCE;
 use crate::patch::{Amount, Code, Diagnostic, Dimension, Entry, Formula, Patch, Placed, Span, Unit, told};
 
 /// Whether every cord is where the patch wants it.
@@ -176,7 +177,9 @@ impl Checker<'_> {
         let hint = match code {
             Code::SettingOutside if value < low => "a pot cannot invert: a summer in front of it can",
             Code::SettingOutside => "divide it by 10 and use an input with 10 times the gain, or rescale",
-            _ if row.measure == Measure::Volts => "rescale: the machine works between -100 and 100 V",
+            _ if row.measure == Measure::Volts && value.abs() > REFERENCE => {
+                "rescale: the machine works between -100 and 100 V"
+            }
             _ => row.description,
         };
         Diagnostic::at(code, placed.span, message).hint(hint)
