@@ -21,8 +21,8 @@ pub struct Quantities {
     formulas: Vec<Formula>,
     /// How many of them are scales.
     scales: usize,
-    /// Those that can be worked out, each after those that it names.
-    order: Vec<usize>,
+    /// Their places in an order in which each comes after those that it names; `None` where it cannot be worked out.
+    ranks: Vec<Option<usize>>,
     time_scale: f64,
     lost: Lost,
 }
@@ -50,7 +50,7 @@ impl Quantities {
             derived: derivations.iter().map(unknown).collect(),
             formulas: derivations.values().map(formula).collect(),
             scales: patch.scales.len(),
-            order: Vec::new(),
+            ranks: vec![None; derivations.len()],
             time_scale: patch.time_scale,
             lost: patch.lost().clone(),
         };
@@ -69,7 +69,8 @@ impl Quantities {
                 open.extend(index.map(|index| &self.formulas[index]));
             }
         }
-        let derived = self.order.iter().copied().filter(|index| derived.contains(index)).collect();
+        let mut derived: Vec<_> = derived.into_iter().filter(|index| self.ranks[*index].is_some()).collect();
+        derived.sort_unstable_by_key(|index| self.ranks[*index]);
         Dependencies { parameters: parameters.into_iter().collect(), derived }
     }
 
@@ -129,14 +130,14 @@ impl Quantities {
     fn work_out(&mut self, patch: &Patch, derivations: &Derivations<'_>, findings: &mut Vec<Diagnostic>) {
         let naming = self.naming();
         // A component comes after those that it names.
-        for mut members in kosaraju_scc(&naming) {
+        for (rank, mut members) in kosaraju_scc(&naming).into_iter().enumerate() {
             members.sort_unstable();
             let first = members[0];
             if members.len() > 1 || naming.contains_edge(first, first) {
                 findings.push(self.ring(&derivations[first.index()], &members));
                 continue;
             }
-            self.order.push(first.index());
+            self.ranks[first.index()] = Some(rank);
             if let Some(formula) = derivations[first.index()].formula {
                 let told = findings.len();
                 let value = self.checked_derived(first.index(), formula, findings);
