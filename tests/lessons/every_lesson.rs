@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use patchcord::circuit::Circuit;
 use patchcord::patch::Patch;
@@ -17,7 +18,7 @@ fn stems() -> Vec<String> {
     let mut stems: Vec<String> =
         files.map(|file| file.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
     stems.sort();
-    assert!(stems.len() >= 12, "{stems:?}");
+    assert!(stems.len() >= 13, "{stems:?}");
     stems
 }
 
@@ -97,10 +98,13 @@ fn what_the_page_proposes_can_be_set() {
     assert!(proposed >= 2 * stems().len(), "{proposed}");
 }
 
+/// A lesson, what is changed in it, how long it runs, and when a lamp then lights.
+type Lit<'a> = (&'a str, &'a [(&'a str, f64)], f64, f64);
+
 #[test]
 fn lamps_light_when_the_page_says() {
     let page = fs::read_to_string("docs/lessons.md").unwrap();
-    let told: [(&str, &[(&str, f64)], f64, f64); 3] = [
+    let told: [Lit<'_>; 3] = [
         ("driven-oscillator", &[("d", 0.5)], 20.0, 1.9),
         ("two-phase-oscillator", &[("damp", 0.0)], 15.0, 10.2),
         ("mathieu", &[("a", 1.0)], 60.0, 12.6),
@@ -115,4 +119,33 @@ fn lamps_light_when_the_page_says() {
         );
         assert!(page.contains(&format!("after {time} s")), "{stem}: {time}");
     }
+}
+
+#[test]
+fn every_lesson_shows_its_schematic_as_it_is_drawn() {
+    let folder = std::env::temp_dir().join(format!("patchcord-lessons-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let page = fs::read_to_string("docs/lessons.md").unwrap();
+    for stem in stems() {
+        let (shown, fresh) =
+            (format!("pictures/lessons/{stem}-schematic.svg"), folder.join(format!("{stem}.svg")));
+        assert!(page.contains(&format!("]({shown})")), "docs/lessons.md does not show {shown}");
+        let stored = Path::new("docs").join(shown);
+        let patch = format!("patches/lessons/{stem}.json");
+        let draw = Command::new(env!("CARGO_BIN_EXE_patchcord"))
+            .args(["draw", &patch, "--plot"])
+            .arg(&fresh)
+            .output();
+        assert!(draw.unwrap().status.success(), "{patch}");
+        if std::env::var_os("PATCHCORD_BLESS").is_some() {
+            fs::copy(&fresh, &stored).unwrap();
+        }
+        let same = fs::read(&stored).ok() == fs::read(&fresh).ok();
+        assert!(
+            same,
+            "{} is stale: PATCHCORD_BLESS=1 cargo test --test lessons rewrites it",
+            stored.display()
+        );
+    }
+    fs::remove_dir_all(&folder).unwrap();
 }

@@ -7,6 +7,7 @@ mod bench;
 mod bouncing_ball;
 mod driven_oscillator;
 mod every_lesson;
+mod heat_rod;
 mod lorenz;
 mod mass_and_spring;
 mod mathieu;

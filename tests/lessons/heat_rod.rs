@@ -1,0 +1,76 @@
+//! A rod of six cells: its own closed solution, and the rod without cells that it stands for.
+
+use std::f64::consts::PI;
+
+use crate::bench::{program, step_of};
+use crate::common::{ran, voltage};
+
+const STEM: &str = "heat-rod";
+const CELLS: usize = 6;
+const HOT: f64 = 80.0;
+/// Diffusivity by the square of a cell's length, per second.
+const RATE: f64 = 1.16e-4 / (0.05 * 0.05);
+
+/// Temperature of a cell by the eigenvectors sin(i theta) of the chain: held at the hot end, free at the other.
+fn chain(cell: usize, time: f64) -> f64 {
+    let modes = (1..=CELLS).map(|mode| {
+        let theta = (2 * mode - 1) as f64 * PI / (2 * CELLS + 1) as f64;
+        let shape = |cell: usize| (cell as f64 * theta).sin();
+        let share = (1..=CELLS).map(shape).sum::<f64>() / (1..=CELLS).map(|i| shape(i).powi(2)).sum::<f64>();
+        share * shape(cell) * (-4.0 * RATE * (theta / 2.0).sin().powi(2) * time).exp()
+    });
+    HOT * (1.0 - modes.sum::<f64>())
+}
+
+/// Temperature of a rod without cells, 6.5 cells long as its free end lies half a cell beyond the last: Carslaw and
+/// Jaeger, chapter 3.
+fn rod(cell: usize, time: f64) -> f64 {
+    let length = CELLS as f64 + 0.5;
+    let modes = (1..200).map(|mode| {
+        let wave = (2 * mode - 1) as f64 * PI / (2.0 * length);
+        2.0 / (wave * length) * (wave * cell as f64).sin() * (-RATE * wave * wave * time).exp()
+    });
+    HOT * (1.0 - modes.sum::<f64>())
+}
+
+/// The temperatures of the cells; every second one is patched with the other sign.
+fn temperatures(time: f64) -> [f64; CELLS] {
+    let program = program(STEM, &[]);
+    let machine = ran(&program, step_of(STEM), time);
+    std::array::from_fn(|index| {
+        let volts = voltage(&machine, &format!("C{}.A", index + 1));
+        if index % 2 == 0 { -volts } else { volts }
+    })
+}
+
+#[test]
+fn temperatures_follow_the_closed_solution_of_the_chain() {
+    for time in [10.0, 100.0, 400.0, 1500.0] {
+        for (index, found) in temperatures(time).into_iter().enumerate() {
+            let expected = chain(index + 1, time);
+            // Runge-Kutta with steps of a tenth of the fastest decay, 4 RATE.
+            assert!((found - expected).abs() < 1e-5, "cell {} after {time} s: {found} {expected}", index + 1);
+        }
+    }
+}
+
+#[test]
+fn the_slowest_decay_is_the_first_eigenvalue() {
+    let missing = |time: f64| HOT - temperatures(time)[CELLS - 1];
+    let found = (missing(1500.0) / missing(2500.0)).ln() / 1000.0;
+    let first = 4.0 * RATE * (PI / 26.0).sin().powi(2);
+    assert!((found / first - 1.0).abs() < 1e-6, "{found} {first}");
+    // That of the rod without cells, RATE (pi / 13)^2, is larger by x^2 / 3, x = pi / 26.
+    let whole = RATE * (PI / 13.0).powi(2);
+    assert!((whole / found - 1.0 - (PI / 26.0f64).powi(2) / 3.0).abs() < 1e-4, "{whole} {found}");
+}
+
+#[test]
+fn six_cells_are_near_the_rod_without_cells() {
+    for time in [100.0, 200.0, 500.0, 1000.0] {
+        for (index, found) in temperatures(time).into_iter().enumerate() {
+            let expected = rod(index + 1, time);
+            assert!((found - expected).abs() < 0.5, "cell {} after {time} s: {found} {expected}", index + 1);
+        }
+    }
+}
