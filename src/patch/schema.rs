@@ -108,7 +108,7 @@ fn signal() -> Value {
 
 fn run() -> Value {
     let time = json!({"type": "number", "exclusiveMinimum": 0, "description": "problem seconds"});
-    object(
+    let mut run = object(
         &[],
         json!({
             "for": time,
@@ -119,7 +119,10 @@ fn run() -> Value {
             "phases": {"$ref": "#/$defs/phases"},
             "note": text("anything else"),
         }),
-    )
+    );
+    let beside_phases = |key: &str| json!({"required": [key, "phases"]});
+    run["not"] = json!({"anyOf": [beside_phases("for"), beside_phases("repeat")]});
+    run
 }
 
 fn phases() -> Value {

@@ -1,13 +1,15 @@
 //! Runs made of phases: held against closed solutions, fresh patches, and the same run written another way.
 
+#[path = "../common/mod.rs"]
 mod common;
+mod refused;
 
 use common::{element, patch, source, volts};
 use patchcord::circuit::Circuit;
 use patchcord::instruments::missed;
 use patchcord::patch::{Formula, Patch, PatchBuilder};
 use patchcord::program::Program;
-use patchcord::solve::{self, Change, Phase, RunError, RunSettings, Stopped};
+use patchcord::solve::{self, Change, Phase, RunSettings, Stopped};
 use patchcord::trace::{Deed, Ending, Mark, Trace};
 
 const OPERATE: Deed = Deed::Operate { until: None };
@@ -114,7 +116,7 @@ fn a_phase_may_wait_for_one_position_of_two() {
 }
 
 #[test]
-fn a_relay_that_a_jump_switches_ends_its_phase_at_the_jump() {
+fn a_relay_that_a_jump_switches_ends_its_phase_there() {
     let jump = element("step").set("height", 50).set("at", 0.55);
     let builder = volts("jump").drive("u", "volt", jump).element("K1", relay("u", 20.0, 30.0));
     let trace = run(&made(builder), &[Phase::operate_until(2.0, "K1", None)], 0.1, &["u"]);
@@ -301,14 +303,17 @@ fn an_iteration_finds_the_boundary_value() {
     assert!((trace.tracks[0].volts.last().unwrap() - 30.0).abs() < 1e-12);
 }
 
+/// -100 V/s from 80 V: the limit is met at 1.8 s.
+fn steep() -> Patch {
+    let builder = source(volts("steep"), "u", 100.0);
+    made(builder.element("A1", element("integrator").cords("x1", ["u"]).set("initial", 80)))
+}
+
 #[test]
 fn an_overload_passes_over_what_takes_time_until_the_next_initial_condition() {
-    // -100 V/s from 80 V: the limit is met at 1.8 s.
-    let circuit = source(volts("steep"), "u", 100.0);
-    let patch = made(circuit.element("A1", element("integrator").cords("x1", ["u"]).set("initial", 80)));
     let once = [INITIAL, Phase::operate(2.5), hold(1.0), Phase::operate(1.0)];
     let phases = [&once[..], &[INITIAL, Phase::operate(0.5), hold(0.5)]].concat();
-    let circuit = Circuit::new(&patch, &[]).unwrap();
+    let circuit = Circuit::new(&steep(), &[]).unwrap();
     let settings = RunSettings {
         phases,
         every: 0.1,
@@ -335,73 +340,7 @@ fn an_overload_passes_over_what_takes_time_until_the_next_initial_condition() {
 
 #[test]
 fn an_overload_after_a_hold_is_told_by_the_clock_of_the_record() {
-    let circuit = source(volts("steep"), "u", 100.0);
-    let patch = made(circuit.element("A1", element("integrator").cords("x1", ["u"]).set("initial", 80)));
-    let trace = run(&patch, &[Phase::operate(1.0), hold(3.0), Phase::operate(1.0)], 0.1, &["A1"]);
+    let trace = run(&steep(), &[Phase::operate(1.0), hold(3.0), Phase::operate(1.0)], 0.1, &["A1"]);
     let overload = &trace.sweeps[0].overloads[0];
     assert!((overload.time - 4.8).abs() < 2e-3, "{overload:?}");
-}
-
-#[test]
-fn what_cannot_be_set_stops_the_run_and_leaves_its_record() {
-    let phases = [Phase::operate(0.5), Phase::set_by("start", "level / 50").unwrap(), Phase::operate(0.5)];
-    let stopped = tried(&decay(), &phases, 0.25, &["level"]).unwrap_err();
-    assert!(matches!(&stopped.error, RunError::OutsideRange { what, .. } if what == "start"), "{stopped}");
-    assert_eq!((stopped.trace.time.as_slice(), stopped.trace.marks.len()), (&[0.0, 0.25, 0.5][..], 3));
-    assert_eq!(stopped.trace.marks[2].ended, Ending::Stopped);
-    let pole = Phase::set_by("start", "level * level / (level - level)").unwrap();
-    let stopped = tried(&decay(), &[Phase::operate(0.5), pole], 0.25, &["level"]).unwrap_err();
-    assert!(stopped.error.to_string().contains("denominator"), "{stopped}");
-    assert_eq!(stopped.trace.len(), 3);
-}
-
-#[test]
-fn settings_that_make_no_run_are_refused_before_it() {
-    let refused = |phases: &[Phase]| tried(&decay(), phases, 0.1, &["level"]).unwrap_err();
-    let told = |phases: &[Phase]| refused(phases).error.code();
-    assert_eq!(told(&[]), "no-time");
-    assert_eq!(told(&[INITIAL, Phase::set("a", 2.0)]), "no-time");
-    assert_eq!(told(&[repeat(0, &[Phase::operate(1.0)])]), "empty-repeat");
-    assert_eq!(told(&[repeat(2, &[]), Phase::operate(1.0)]), "empty-repeat");
-    assert_eq!(told(&[Phase::operate(-1.0)]), "not-a-time");
-    assert_eq!(told(&[Phase::operate(1.0), hold(f64::NAN)]), "not-a-time");
-    assert_eq!(told(&[repeat(2, &[INITIAL, Phase::operate(0.05)])]), "longer-than-run");
-    let operate = Phase::operate(1.0);
-    let wait = |relay: &str, becomes| [Phase::operate_until(1.0, relay, becomes)];
-    assert_eq!(told(&wait("K2", None)), "unknown-element");
-    assert_eq!(told(&wait("A1", None)), "not-a-relay");
-    assert_eq!(told(&wait("K1", Some("shut"))), "unknown-position");
-    assert_eq!(told(&[operate.clone(), Phase::set("b", 1.0)]), "unknown-parameter");
-    for formula in ["level", "b", "a + 1"] {
-        assert_eq!(
-            told(&[operate.clone(), Phase::set_by("a", formula).unwrap()]),
-            "bad-formula",
-            "{formula}"
-        );
-    }
-    assert!(refused(&wait("K2", None)).trace.is_empty());
-}
-
-#[test]
-fn plans_beyond_reason_are_refused_at_once() {
-    let billions = |phases: &[Phase]| repeat(1_000_000_000, &[repeat(1_000_000_000, phases)]);
-    let told = |phases: &[Phase]| tried(&decay(), phases, 0.1, &["level"]).unwrap_err().error.code();
-    assert_eq!(told(&[billions(&[Phase::operate(0.1)])]), "too-many-steps");
-    assert_eq!(told(&[Phase::operate(1.0), billions(&[Phase::set("a", 2.0)])]), "too-many-numbers");
-    assert_eq!(told(&[billions(&[INITIAL]), Phase::operate(1.0)]), "too-many-numbers");
-    assert_eq!(told(&[Phase::operate(1.0), hold(1e12)]), "too-many-numbers");
-    assert_eq!(told(&[repeat(u64::MAX, &[hold(f64::MAX)])]), "too-many-numbers");
-}
-
-#[test]
-fn a_scale_cannot_change_within_a_record() {
-    let builder = PatchBuilder::new("rescaled")
-        .parameter("full", 100.0, "mm", [1.0, 1000.0])
-        .scale("position", "full / 100", "mm")
-        .element("A1", element("integrator").cords("x1", ["+100"]))
-        .signal("x", "A1", "position", 1.0)
-        .run(1.0, 1e-3);
-    let phases = [Phase::operate(0.5), Phase::set("full", 200.0), Phase::operate(0.1)];
-    let stopped = tried(&made(builder), &phases, 0.1, &["x"]).unwrap_err();
-    assert_eq!(stopped.error, RunError::Rescaled { signal: "x".to_owned() });
 }
