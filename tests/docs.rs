@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use patchcord::circuit::Circuit;
 use patchcord::elements::reference_page;
 use patchcord::patch::{Patch, json_schema};
+use patchcord::plot;
 use patchcord::program::Program;
 
 fn documents() -> Vec<PathBuf> {
@@ -82,4 +83,16 @@ fn the_schema_is_fresh() {
 #[test]
 fn the_page_of_elements_is_fresh() {
     check_fresh("docs/elements.md", &reference_page());
+}
+
+#[test]
+fn the_picture_of_all_symbols_is_fresh() {
+    let path = "docs/pictures/symbols.svg";
+    let drawing = patchcord::schematic::legend();
+    let fresh = plot::render_drawing(&drawing, plot::Format::Svg, plot::Theme::Light).unwrap();
+    if std::env::var_os("PATCHCORD_BLESS").is_some() {
+        fs::write(path, &fresh).unwrap();
+    }
+    let stored = fs::read(path).unwrap_or_default();
+    assert!(stored == fresh, "{path} is stale: PATCHCORD_BLESS=1 cargo test --test docs rewrites it");
 }

@@ -24,7 +24,7 @@ fn total(patch: &Patch, part: Part) -> usize {
 }
 
 /// How many of a part an element takes.
-fn taken(entry: &Entry, part: Part) -> usize {
+pub(super) fn taken(entry: &Entry, part: Part) -> usize {
     let rows = entry.kind.parts.iter().filter(|takes| takes.part == part && applies(entry, takes));
     rows.map(|takes| takes.count).sum()
 }

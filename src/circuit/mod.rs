@@ -250,6 +250,26 @@ impl Circuit {
         &self.used
     }
 
+    /// The parts that an element takes, the one that its kind names first in front.
+    pub fn parts_of(&self, element: &str) -> Vec<(Part, usize)> {
+        let Some(entry) = self.patch.elements.get(element) else { return Vec::new() };
+        let mut parts: Vec<(Part, usize)> = Vec::new();
+        for takes in entry.kind.parts {
+            let count = inventory::taken(entry, takes.part);
+            if count > 0 && parts.iter().all(|(part, _)| *part != takes.part) {
+                parts.push((takes.part, count));
+            }
+        }
+        parts
+    }
+
+    /// Names of the parts that the patch lists for an element.
+    pub fn part_names(&self, element: &str, part: Part) -> Vec<String> {
+        let entry = self.patch.elements.get(element);
+        let uses = entry.into_iter().flat_map(|entry| &entry.uses).filter(|(key, _)| key.value == part.key());
+        uses.flat_map(|(_, names)| names.iter().map(|name| name.value.clone())).collect()
+    }
+
     /// How the patch asks to be run.
     pub fn run_plan(&self) -> &RunPlan {
         &self.patch.run

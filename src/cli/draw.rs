@@ -9,8 +9,8 @@ use super::failure::Failure;
 use super::files::{check_apart, named_like, prepare, put, written};
 use super::load::{Loaded, PatchArguments, parameter_line, parameters_json, problem_check};
 use super::{say, say_json};
-use patchcord::plot::{Format, Theme, render_drawing};
-use patchcord::schematic::Schematic;
+use patchcord::plot::{Drawing, Format, Theme, render_drawing};
+use patchcord::schematic::{Board, DrawError, Schematic};
 use patchcord::solve::Machine;
 
 #[derive(Args)]
@@ -26,6 +26,9 @@ pub(super) struct Arguments {
     /// Write the voltages at the outputs: those of the problem check, or after so many problem seconds of run
     #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "0", allow_negative_numbers = true, value_parser = instant)]
     values: Option<f64>,
+    /// Draw the patch panel of the machine with its cords instead
+    #[arg(long, conflicts_with = "values")]
+    board: bool,
     /// Light lines on a dark page
     #[arg(long)]
     dark: bool,
@@ -47,15 +50,15 @@ pub(super) fn draw(arguments: &Arguments) -> Result<(), Failure> {
 fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     let files = arguments.files()?;
     let loaded = arguments.patch.load()?;
-    let schematic = arguments.schematic(&loaded)?;
+    let (drawing, data) = arguments.drawn(&loaded)?;
     prepare(arguments.out.as_deref(), files.iter().map(|(path, _)| path))?;
     let theme = if arguments.dark { Theme::Dark } else { Theme::Light };
     for (path, format) in &files {
-        let bytes = render_drawing(&schematic.drawing(), *format, theme);
+        let bytes = render_drawing(&drawing, *format, theme);
         put(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
     }
     if arguments.patch.json {
-        return say_json(&document(&loaded, &schematic, &files));
+        return say_json(&document(&loaded, data, &files));
     }
     say(&written(files.iter().map(|(path, _)| path)))
 }
@@ -64,7 +67,8 @@ impl Arguments {
     /// The files to draw into, with their formats.
     fn files(&self) -> Result<Vec<(PathBuf, Format)>, Failure> {
         let patch = &self.patch.patch;
-        let in_folder = self.out.as_ref().map(|folder| folder.join(named_like(patch, ".schematic.svg")));
+        let ending = if self.board { ".board.svg" } else { ".schematic.svg" };
+        let in_folder = self.out.as_ref().map(|folder| folder.join(named_like(patch, ending)));
         let files: Vec<PathBuf> = self.plot.iter().cloned().chain(in_folder).collect();
         if files.is_empty() && !self.patch.json {
             return Err(Failure::usage(
@@ -75,6 +79,16 @@ impl Arguments {
         let formats = formats.map_err(|error| Failure::usage(error.to_string()))?;
         check_apart(patch, files.iter())?;
         Ok(files.into_iter().zip(formats).collect())
+    }
+
+    /// The drawing, and its data under their name.
+    fn drawn(&self, loaded: &Loaded) -> Result<(Drawing, (&'static str, Value)), Failure> {
+        if self.board {
+            let board = Board::new(&loaded.circuit, &parameter_line(&loaded.circuit)).map_err(too_many)?;
+            return Ok((board.drawing(), ("board", board.to_json())));
+        }
+        let schematic = self.schematic(loaded)?;
+        Ok((schematic.drawing(), ("schematic", schematic.to_json())))
     }
 
     fn schematic(&self, loaded: &Loaded) -> Result<Schematic, Failure> {
@@ -97,11 +111,15 @@ impl Arguments {
         };
         let volts =
             |name: &str| machine.as_ref().and_then(|machine: &Machine<'_>| machine.voltage(name).ok());
-        Schematic::new(circuit, note, &volts).map_err(|error| Failure::data(error.to_string()))
+        Schematic::new(circuit, note, &volts).map_err(too_many)
     }
 }
 
-fn document(loaded: &Loaded, schematic: &Schematic, files: &[(PathBuf, Format)]) -> Value {
+fn too_many(error: DrawError) -> Failure {
+    Failure::data(error.to_string())
+}
+
+fn document(loaded: &Loaded, (name, data): (&str, Value), files: &[(PathBuf, Format)]) -> Value {
     let circuit = &loaded.circuit;
     json!({
         "ok": true,
@@ -109,7 +127,7 @@ fn document(loaded: &Loaded, schematic: &Schematic, files: &[(PathBuf, Format)])
         "title": circuit.patch().title,
         "diagnostics": circuit.warnings().to_json(),
         "parameters": parameters_json(circuit),
-        "schematic": schematic.to_json(),
+        name: data,
         "files": files.iter().map(|(path, _)| path.display().to_string()).collect::<Value>(),
     })
 }

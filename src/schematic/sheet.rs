@@ -1,27 +1,25 @@
 //! The schematic as data, and as a drawing.
 
 use super::describe;
+use super::heading::{self, Heading};
 use super::layout::{Graph, Layout, Net as Wire, Node, Point, Route, layout};
 use super::lists::{self, List};
-use super::shapes::{self, Art, CORD, PRINT};
+use super::shapes::{self, Art, CORD};
 use super::symbol::{Source, Symbol};
 use crate::circuit::Circuit;
-use crate::plot::{Align, Area, Drawing, Ink, Label, Stroke, text_width, text_within};
+use crate::plot::{Area, Drawing, Ink, Label, Stroke};
 
 /// Symbols with their places, and nets with their lines, in pixels from the upper left corner of the sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schematic {
-    /// Title of the patch.
-    pub title: String,
-    /// Small print under the title.
-    pub notes: Vec<String>,
+    heading: Heading,
     /// The symbols, drives first, in the order of the document.
     pub symbols: Vec<PlacedSymbol>,
     /// The nets, in the order of the symbols that drive them.
     pub nets: Vec<Net>,
     /// Lists below the drawing.
     pub lists: Vec<List>,
-    /// Width and height of the drawing without title and lists.
+    /// Width and height of the drawing without heading and lists.
     size: (f64, f64),
 }
 
@@ -63,18 +61,15 @@ pub enum DrawError {
     },
 }
 
+impl DrawError {
+    /// Refuses more symbols than a sheet takes.
+    pub(super) fn check(count: usize) -> Result<(), DrawError> {
+        if count > Schematic::MOST { Err(DrawError::TooMany { count }) } else { Ok(()) }
+    }
+}
+
 /// Room around everything.
 const MARGIN: f64 = 28.0;
-
-/// A sheet is not narrower, so that titles have room.
-const NARROWEST: f64 = 640.0;
-
-/// Nor is it made wider than this for its title.
-const TITLE_ROOM: f64 = 960.0;
-
-const TITLE: f64 = 17.0;
-const TITLE_ROW: f64 = 24.0;
-const NOTE_ROW: f64 = 15.0;
 
 impl Schematic {
     /// The most elements and drives that are drawn on a sheet.
@@ -90,28 +85,21 @@ impl Schematic {
         volts: &dyn Fn(&str) -> Option<f64>,
     ) -> Result<Schematic, DrawError> {
         let symbols = describe::symbols(circuit, volts);
-        if symbols.len() > Self::MOST {
-            return Err(DrawError::TooMany { count: symbols.len() });
-        }
+        DrawError::check(symbols.len())?;
         let lists = describe::lists(circuit, &symbols);
-        let patch = circuit.patch();
-        let notes = [patch.source.clone(), note].into_iter().filter(|note| !note.is_empty()).collect();
         let graph = graph(&symbols);
         let layout = layout(&graph);
-        let mut schematic = Schematic {
-            title: patch.title.clone(),
-            notes,
-            symbols: vec![],
-            nets: vec![],
-            lists,
-            size: layout.size,
-        };
+        let patch = circuit.patch();
+        let width = heading::width(layout.size.0, &patch.title);
+        let heading = Heading::new(&patch.title, &[&patch.source, &note], width);
+        let size = (width, layout.size.1);
+        let mut schematic = Schematic { heading, symbols: vec![], nets: vec![], lists, size };
         schematic.place(symbols, graph, layout);
         Ok(schematic)
     }
 
     fn place(&mut self, symbols: Vec<Symbol>, graph: Graph, layout: Layout) {
-        let by = (MARGIN, MARGIN + self.head());
+        let by = (MARGIN, MARGIN + self.heading.height());
         let shift = |at: Point| (at.0 + by.0, at.1 + by.1);
         let placed = symbols.into_iter().zip(&layout.slots).zip(&layout.places);
         self.symbols =
@@ -130,19 +118,13 @@ impl Schematic {
             .collect();
     }
 
-    /// Height of title and notes.
-    fn head(&self) -> f64 {
-        let title = if self.title.is_empty() { 0.0 } else { TITLE_ROW };
-        title + NOTE_ROW * self.notes.len() as f64 + 12.0
-    }
-
     /// The drawing of the schematic.
     pub fn drawing(&self) -> Drawing {
-        let inside = self.size.0.max(text_width(&self.title, TITLE).clamp(NARROWEST, TITLE_ROOM)).ceil();
-        let mut marks = self.heading(inside);
+        let inside = self.size.0;
+        let mut marks = self.heading.draw((MARGIN, MARGIN));
         self.nets.iter().for_each(|net| net.draw(&mut marks));
         marks.extend(self.symbols.iter().flat_map(|symbol| symbol.marks.iter().cloned()));
-        let top = MARGIN + self.head() + self.size.1 + 34.0;
+        let top = MARGIN + self.heading.height() + self.size.1 + 34.0;
         let (listed, bottom) = lists::draw(&self.lists, (MARGIN, top), inside);
         if !listed.is_empty() {
             let y = top - 20.0;
@@ -154,29 +136,6 @@ impl Schematic {
         }
         marks.extend(listed);
         Drawing { width: inside + 2.0 * MARGIN, height: bottom + MARGIN / 2.0, marks }
-    }
-
-    fn heading(&self, room: f64) -> Vec<Stroke> {
-        let mut marks = Vec::new();
-        let mut y = MARGIN - 8.0;
-        let mut write = |text: &str, size: f64, row: f64, ink: Ink| {
-            y += row;
-            let label = Label {
-                text: text_within(text, size, room),
-                at: (MARGIN, y),
-                size,
-                align: Align::Start,
-                ink,
-            };
-            marks.push(Stroke::Text(label));
-        };
-        if !self.title.is_empty() {
-            write(&self.title, TITLE, TITLE_ROW - 6.0, Ink::Line);
-        }
-        for note in &self.notes {
-            write(note, PRINT, NOTE_ROW, Ink::Soft);
-        }
-        marks
     }
 }
 

@@ -18,6 +18,9 @@ const CLEAR: f64 = 6.0;
 /// Passes over all layers, each in both directions.
 const PASSES: usize = 10;
 
+/// What a row's height costs beside the length of its cords.
+const TALL: f64 = 2.0;
+
 /// How much straight cords between nodes, between a node and a layer, and through layers are worth.
 const WORTH: [f64; 3] = [1.0, 2.0, 8.0];
 
@@ -30,11 +33,17 @@ pub(super) fn align(graph: &Graph, sheet: &mut Sheet) {
         let mut aligner = Aligner { graph, sheet, row };
         aligner.stack();
         let layers = aligner.sheet.rows[row].layers.len();
+        let mut best = (f64::INFINITY, Vec::new());
         for _ in 0..PASSES {
             (0..layers).for_each(|layer| aligner.settle(layer, true, false));
             (0..layers).rev().for_each(|layer| aligner.settle(layer, false, true));
+            (0..layers).for_each(|layer| aligner.settle(layer, true, true));
+            let cost = aligner.cost();
+            if cost < best.0 {
+                best = (cost, aligner.heights());
+            }
         }
-        (0..layers).for_each(|layer| aligner.settle(layer, true, true));
+        (0..best.1.len()).for_each(|item| aligner.set_y(item, best.1[item]));
         for layer in 0..layers {
             aligner.settle(layer, true, false);
             aligner.keep_clear(layer);
@@ -93,6 +102,27 @@ impl Aligner<'_> {
             closest[index + 1] = below;
         }
         closest
+    }
+
+    fn heights(&self) -> Vec<f64> {
+        self.sheet.rows[self.row].items.iter().map(|item| item.y).collect()
+    }
+
+    /// Height of the row, and how long its upright lines are together.
+    fn cost(&self) -> f64 {
+        let items = 0..self.sheet.rows[self.row].items.len();
+        let top =
+            items.clone().map(|item| self.y(item) - self.reach(item, true)).fold(f64::INFINITY, f64::min);
+        let bottom = items.map(|item| self.y(item) + self.reach(item, false)).fold(top, f64::max);
+        let length = |trunk: &super::wires::Trunk| {
+            let pins = trunk.pins().map(|pin| self.sheet.height(self.graph, self.row, pin));
+            let streets = [(trunk.up, top), (trunk.down, bottom)].into_iter().filter(|(goes, _)| *goes);
+            let ends = pins.chain(streets.map(|(_, y)| y));
+            let (low, high) = ends.fold((bottom, top), |(low, high), y| (low.min(y), high.max(y)));
+            high - low
+        };
+        let trunks = self.sheet.rows[self.row].channels.iter().flatten();
+        TALL * (bottom - top) + trunks.map(length).sum::<f64>()
     }
 
     fn stack(&mut self) {

@@ -40,6 +40,7 @@ pub(super) fn summer(symbol: &Symbol) -> Art {
     }
     name_in_triangle(&mut art, symbol, left + 4.0 + widest + 3.0);
     limits(&mut art, symbol);
+    super::diodes::parts_below(&mut art, symbol);
     art
 }
 
@@ -52,8 +53,7 @@ pub(super) fn open(symbol: &Symbol) -> Art {
         (left - BEND * (1.0 - (y / half).powi(2)), y)
     };
     let bow: Vec<_> = (-8..=8).map(bent).collect();
-    let over = Art { inputs: vec![], ..Art::default() };
-    let mut under = over;
+    let mut under = Art::default();
     under.body(&bow);
     under.marks.append(&mut art.marks);
     art.marks = under.marks;
@@ -67,10 +67,8 @@ const BEND: f64 = 10.0;
 /// A summing amplifier with a capacitor: its time constant stands in the bar.
 pub(super) fn lag(symbol: &Symbol) -> Art {
     let mut art = integrator(symbol);
-    for name in ["time_constant", "time", "lag"] {
-        if let Some(setting) = symbol.setting(name) {
-            art.below(&format!("lag {}", setting.shown), PRINT, Ink::Line);
-        }
+    if let Some(setting) = symbol.setting("time") {
+        art.below(&format!("lag {}", setting.shown), PRINT, Ink::Line);
     }
     art
 }

@@ -9,9 +9,9 @@ mod network;
 mod switching;
 
 use super::symbol::{Source, Symbol};
-use crate::plot::{Align, Area, Ink};
+use crate::plot::{Align, Area, Ink, text_width};
 
-pub(super) use art::{Art, CORD, PRINT, SMALL};
+pub(super) use art::{Art, CORD, NAME, PRINT, SMALL};
 
 /// A symbol drawn around its anchor.
 type Draw = fn(&Symbol) -> Art;
@@ -116,18 +116,19 @@ fn ground(at: (f64, f64), art: &mut Art) {
 /// Names of signals above the cord that leaves, the voltage below it.
 fn readings(symbol: &Symbol, art: &mut Art) {
     let (x, y) = art.output;
-    let start = x + READING_GAP;
-    if !symbol.signals.is_empty() {
-        art.text(&symbol.signals.join(", "), (start, y - 4.0), PRINT, Align::Start, Ink::Signal);
+    let names = symbol.signals.join(", ");
+    let volts = symbol.volts.map(voltage).unwrap_or_default();
+    let width = text_width(&names, PRINT).max(text_width(&volts, PRINT));
+    if width == 0.0 {
+        return;
     }
-    if let Some(volts) = symbol.volts {
-        art.text(&voltage(volts), (start, y + 11.0), PRINT, Align::Start, Ink::Voltage);
+    for (text, y, ink) in [(names, y - 4.0, Ink::Signal), (volts, y + 11.0, Ink::Voltage)] {
+        if !text.is_empty() {
+            art.text(&text, (x + READING_GAP, y), PRINT, Align::Start, ink);
+        }
     }
-    let read = art.area().right;
-    if read > x + READING_GAP {
-        art.output = (read.ceil(), y);
-        art.cord(&[(x, y), art.output]);
-    }
+    art.output = ((x + READING_GAP + width).ceil(), y);
+    art.cord(&[(x, y), art.output]);
 }
 
 /// A voltage as a voltmeter shows it.

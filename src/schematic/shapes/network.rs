@@ -10,19 +10,25 @@ const RADIUS: f64 = 17.0;
 const SHORT: f64 = 100.0;
 
 pub(super) fn potentiometer(symbol: &Symbol) -> Art {
+    let mut art = circle(symbol);
+    setting_below(&mut art, symbol, "setting");
+    art
+}
+
+fn circle(symbol: &Symbol) -> Art {
     let mut art = Art { inputs: vec![(-RADIUS, 0.0)], output: (RADIUS, 0.0), ..Art::default() };
     art.circle((0.0, 0.0), RADIUS);
     art.name(&symbol.name, (0.0, 0.0), 2.0 * RADIUS - 5.0);
-    setting_below(&mut art, symbol, "setting");
     art
 }
 
 /// A circle whose other end is a jack of its own, below.
 pub(super) fn free_potentiometer(symbol: &Symbol) -> Art {
-    let mut art = potentiometer(symbol);
+    let mut art = circle(symbol);
     let below = RADIUS + 6.0;
     art.inputs.push((-RADIUS, below));
     art.line(&[(-RADIUS, below), (0.0, below), (0.0, RADIUS)]);
+    setting_below(&mut art, symbol, "setting");
     art
 }
 

@@ -3,26 +3,28 @@
 use super::art::{Art, NAME, PRINT, SMALL};
 use super::{Align, Ink, Symbol};
 
-/// A coil that is compared with two levels, and a contact that it throws.
+/// A coil that pulls in at one level and releases at another, and a contact that it throws.
 pub(super) fn relay(symbol: &Symbol) -> Art {
-    let mut art = Art { output: (32.0, -12.0), ..Art::default() };
-    art.rectangle((-32.0, -34.0), (32.0, 34.0));
-    // The jacks in the order of the kind: in, on, off.
-    art.inputs = vec![(-32.0, 20.0), (-32.0, -22.0), (-32.0, -2.0)];
-    let (on, off, pivot) = ((-8.0, -22.0), (-8.0, -2.0), (18.0, -12.0));
-    art.line(&[(-32.0, -22.0), on]);
-    art.line(&[(-32.0, -2.0), off]);
-    art.line(&[pivot, art.output]);
-    let thrown = if symbol.flag("closed") { on } else { off };
-    art.bold(&[pivot, thrown]);
-    [on, off, pivot].into_iter().for_each(|at| art.disc(at, 2.2));
-    art.line(&[(-32.0, 20.0), (-10.0, 20.0)]);
-    art.rectangle((-10.0, 13.0), (10.0, 27.0));
-    art.line(&[(-10.0, 27.0), (10.0, 13.0)]);
-    art.rule(&[(2.0, 13.0), (2.0, -5.0)]);
-    art.text("on", (-29.0, -25.0), SMALL, Align::Start, Ink::Soft);
-    art.text("off", (-29.0, -5.0), SMALL, Align::Start, Ink::Soft);
-    art.text("in", (-29.0, 17.0), SMALL, Align::Start, Ink::Soft);
+    let is_compared = symbol.jacks.len() > 3;
+    let bottom = if is_compared { 46.0 } else { 34.0 };
+    let mut art = Art { output: (34.0, -12.0), ..Art::default() };
+    art.rectangle((-34.0, -34.0), (34.0, bottom));
+    // The jacks in the order of the kind: in, on, off, against.
+    art.inputs =
+        [20.0, -22.0, -2.0, 38.0][..3 + usize::from(is_compared)].iter().map(|y| (-34.0, *y)).collect();
+    contact(&mut art, symbol.flag("closed"));
+    art.line(&[(-34.0, 20.0), (-6.0, 20.0)]);
+    art.rectangle((-6.0, 13.0), (14.0, 27.0));
+    art.line(&[(-6.0, 27.0), (14.0, 13.0)]);
+    art.rule(&[(4.0, 13.0), (4.0, -5.0)]);
+    let mut names = vec![("on", -22.0), ("off", -2.0), ("in", 20.0)];
+    if is_compared {
+        art.line(&[(-34.0, 38.0), (4.0, 38.0), (4.0, 27.0)]);
+        names.push(("ref", 38.0));
+    }
+    for (name, y) in names {
+        art.text(name, (-31.0, y - 3.0), SMALL, Align::Start, Ink::Soft);
+    }
     art.above(&symbol.name, NAME, Ink::Line);
     for (name, sign) in [("pull_in", "on ≥"), ("drop_out", "off ≤")] {
         if let Some(setting) = symbol.setting(name) {
@@ -32,12 +34,21 @@ pub(super) fn relay(symbol: &Symbol) -> Art {
     art
 }
 
+/// The contact of a relay.
+fn contact(art: &mut Art, closed: bool) {
+    let (on, off, pivot) = ((-8.0, -22.0), (-8.0, -2.0), (20.0, -12.0));
+    art.line(&[(-34.0, -22.0), on]);
+    art.line(&[(-34.0, -2.0), off]);
+    art.line(&[pivot, art.output]);
+    art.bold(&[pivot, if closed { on } else { off }]);
+    [on, off, pivot].into_iter().for_each(|at| art.disc(at, 2.2));
+}
+
 /// An amplifier behind a switch that its control opens and closes.
 pub(super) fn track_hold(symbol: &Symbol) -> Art {
     let mut art = Art { inputs: vec![(-52.0, 0.0), (-52.0, 22.0)], output: (44.0, 0.0), ..Art::default() };
-    art.rectangle((-52.0, -28.0), (-6.0, 30.0));
-    art.body(&[(-6.0, -28.0), (44.0, 1.0), (-6.0, 30.0)]);
-    art.output = (44.0, 0.0);
+    art.rectangle((-52.0, -30.0), (-6.0, 30.0));
+    art.body(&[(-6.0, -30.0), (44.0, 0.0), (-6.0, 30.0)]);
     art.line(&[(-52.0, 0.0), (-38.0, 0.0)]);
     art.bold(&[(-38.0, 0.0), (-20.0, -9.0)]);
     art.line(&[(-19.0, 0.0), (-6.0, 0.0)]);

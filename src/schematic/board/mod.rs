@@ -1,0 +1,130 @@
+//! The patch panel with its cords. The real panel's layout is not known: this one is arranged by us, a row of
+//! parts after the other.
+
+mod cords;
+mod panel;
+
+use serde_json::{Value, json};
+
+use super::describe;
+use super::heading::{self, Heading};
+use super::layout::Point;
+use super::sheet::DrawError;
+use super::symbol::{Source, Symbol};
+use crate::circuit::Circuit;
+use crate::plot::Drawing;
+
+/// Modules with their jacks, and cords between them, in pixels from the upper left corner.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Board {
+    heading: Heading,
+    /// The modules, row by row.
+    pub modules: Vec<Module>,
+    /// The cords, in the order of the jacks that they go into.
+    pub cords: Vec<Cord>,
+    /// Headings of the rows of modules, with their places.
+    rows: Vec<(String, Point)>,
+    size: (f64, f64),
+}
+
+/// A part of the machine, or a source, on the panel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Module {
+    /// Name of the element that it serves, or of the part; empty where the patch does not use it.
+    pub name: String,
+    /// What it is set to, or which element it belongs to.
+    pub note: String,
+    /// Its upper left and lower right corner.
+    pub corners: [Point; 2],
+    /// Its input jacks: what stands beside them, and their places.
+    pub inputs: Vec<(String, Point)>,
+    /// Its output jacks.
+    pub outputs: Vec<Point>,
+}
+
+/// A cord between two jacks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cord {
+    /// Name of the element, drive or reference that it comes from.
+    pub from: String,
+    /// Name of the element that it goes to.
+    pub to: String,
+    /// Where it is plugged in, output first.
+    pub ends: [Point; 2],
+    /// Number of its colour: cords from one output have one.
+    pub colour: usize,
+}
+
+/// Room around the panel.
+const MARGIN: f64 = 28.0;
+
+/// Said under every panel.
+const ARRANGED: &str = "layout of the panel arranged by us: that of the machine is not known";
+
+impl Board {
+    /// The board of a circuit; `note` is small print.
+    ///
+    /// # Errors
+    /// When the circuit has more elements and drives than a sheet takes.
+    pub fn new(circuit: &Circuit, note: &str) -> Result<Board, DrawError> {
+        let symbols = describe::symbols(circuit, &|_| None);
+        DrawError::check(symbols.len())?;
+        let title = &circuit.patch().title;
+        let machine = format!("{}; {ARRANGED}", circuit.machine().title);
+        let width = heading::width(panel::WIDTH, title);
+        let heading = Heading::new(title, &[&machine, note], width);
+        let laid = panel::lay(circuit, &symbols, (MARGIN, MARGIN + heading.height()));
+        let cords = cords(&symbols, &laid);
+        Ok(Board { heading, modules: laid.modules, cords, rows: laid.rows, size: (width, laid.bottom) })
+    }
+
+    /// The drawing of the board.
+    pub fn drawing(&self) -> Drawing {
+        let mut marks = self.heading.draw((MARGIN, MARGIN));
+        panel::draw(&self.modules, &self.rows, &mut marks);
+        self.cords.iter().for_each(|cord| cords::draw(cord, &mut marks));
+        panel::draw_texts(&self.modules, &mut marks);
+        Drawing { width: self.size.0 + 2.0 * MARGIN, height: self.size.1 + MARGIN, marks }
+    }
+
+    /// Modules with their places, and cords with their ends.
+    pub fn to_json(&self) -> Value {
+        let module = |module: &Module| {
+            let inputs = module.inputs.iter().map(|(name, at)| json!({"jack": name, "at": [at.0, at.1]}));
+            json!({
+                "name": module.name,
+                "note": module.note,
+                "corners": module.corners.iter().map(|at| json!([at.0, at.1])).collect::<Value>(),
+                "inputs": inputs.collect::<Value>(),
+                "outputs": module.outputs.iter().map(|at| json!([at.0, at.1])).collect::<Value>(),
+            })
+        };
+        let cord = |cord: &Cord| {
+            let ends = cord.ends.iter().map(|at| json!([at.0, at.1])).collect::<Value>();
+            json!({"from": cord.from, "to": cord.to, "ends": ends, "colour": cord.colour})
+        };
+        json!({
+            "modules": self.modules.iter().map(module).collect::<Value>(),
+            "cords": self.cords.iter().map(cord).collect::<Value>(),
+        })
+    }
+}
+
+/// A cord for every jack that something is plugged into; each takes an output jack of its own.
+fn cords(symbols: &[Symbol], laid: &panel::Laid) -> Vec<Cord> {
+    let mut taken = vec![0; laid.modules.len()];
+    let mut cords = Vec::new();
+    for (reader, symbol) in symbols.iter().enumerate() {
+        for (jack, plugged) in symbol.jacks.iter().enumerate() {
+            let (from, module) = match plugged.from {
+                Source::Output(index) => (symbols[index].name.clone(), laid.module_of[index]),
+                Source::Reference(name) => (name.to_owned(), laid.reference(name)),
+            };
+            let to = &laid.modules[laid.module_of[reader]];
+            let ends = [laid.modules[module].outputs[taken[module]], to.inputs[jack].1];
+            taken[module] += 1;
+            cords.push(Cord { from, to: symbol.name.clone(), ends, colour: module });
+        }
+    }
+    cords
+}
