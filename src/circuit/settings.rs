@@ -116,6 +116,16 @@ impl Checker<'_> {
             findings.push(self.outside(row, placed, value));
             return None;
         }
+        if row.measure == Measure::Whole && value.fract() != 0.0 {
+            let message = format!(
+                "\"{}\" of {} comes to {}, and must be a whole number",
+                row.name,
+                self.name,
+                told(value)
+            );
+            findings.push(Diagnostic::at(Code::BadNumber, placed.span, message));
+            return None;
+        }
         if row.measure == Measure::Fraction {
             self.over_ranges(row, placed, findings);
         }
@@ -168,12 +178,13 @@ impl Checker<'_> {
     fn outside(&self, row: &Setting, placed: &Placed<Formula>, value: f64) -> Diagnostic {
         let (low, high) = row.range;
         let code = if row.measure == Measure::Fraction { Code::SettingOutside } else { Code::BadNumber };
-        let unit = if row.unit() == "1" { String::new() } else { format!(" {}", row.unit()) };
+        let unit = self.told_unit(row, &placed.value);
         let [value_told, low_told, high_told] = [value, low, high].map(told);
-        let message = format!(
-            "\"{}\" of {} comes to {value_told}{unit}, outside {low_told} ... {high_told}{unit}",
-            row.name, self.name
-        );
+        let allowed = match high {
+            f64::MAX => format!("below {low_told}{unit}"),
+            _ => format!("outside {low_told} ... {high_told}{unit}"),
+        };
+        let message = format!("\"{}\" of {} comes to {value_told}{unit}, {allowed}", row.name, self.name);
         let hint = match code {
             Code::SettingOutside if value < low => "a pot cannot invert: a summer in front of it can",
             Code::SettingOutside => "divide it by 10 and use an input with 10 times the gain, or rescale",
@@ -183,6 +194,20 @@ impl Checker<'_> {
             _ => row.description,
         };
         Diagnostic::at(code, placed.span, message).hint(hint)
+    }
+
+    /// The unit behind the value that a setting came to: plain formulas stand in that of their place.
+    fn told_unit(&self, row: &Setting, formula: &Formula) -> String {
+        let of_scale = |unit: &Unit| match self.quantities.is_plain(formula) {
+            true => unit.text().to_owned(),
+            false => unit.dimension().to_string(),
+        };
+        match (row.measure, self.unit()) {
+            (Measure::Fraction | Measure::Ratio | Measure::Whole, _) => String::new(),
+            (Measure::Signal, Some(unit)) => format!(" {}", of_scale(unit)),
+            (Measure::SignalRate, Some(unit)) => format!(" {} per s", of_scale(unit)),
+            _ => format!(" {}", row.unit()),
+        }
     }
 
     /// Warns when a setting leaves its range somewhere in the ranges of the parameters that it names.

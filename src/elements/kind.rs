@@ -149,6 +149,9 @@ pub struct Setting {
     pub description: &'static str,
 }
 
+/// Up to here every whole number is a number of the machine that runs this.
+const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
+
 /// What rounding may add to a fraction.
 const ROUNDING: f64 = 1e-12;
 
@@ -159,6 +162,8 @@ pub enum Measure {
     Fraction,
     /// A pure number.
     Ratio,
+    /// A whole number, 0 or above.
+    Whole,
     /// Volts of the machine.
     Volts,
     /// Machine seconds.
@@ -209,6 +214,7 @@ impl Measure {
         match self {
             Measure::Fraction | Measure::Flag => (0.0, 1.0),
             Measure::Volts | Measure::Curve(_) => (-REFERENCE, REFERENCE),
+            Measure::Whole => (0.0, LARGEST_WHOLE),
             Measure::MachineSeconds | Measure::Seconds | Measure::Hertz => (0.0, f64::MAX),
             _ => (f64::MIN, f64::MAX),
         }
@@ -333,16 +339,24 @@ impl Setting {
         Setting { range: (low, high), ..self }
     }
 
+    /// The range that a coefficient keeps to: what a drive gives has become volts, of either sign.
+    pub fn coefficient_range(&self) -> (f64, f64) {
+        match self.measure {
+            Measure::Signal | Measure::SignalRate => (f64::MIN, f64::MAX),
+            _ => self.allowed(),
+        }
+    }
+
     /// The range that a value worked out of formulas keeps to: a fraction may pass its ends by rounding, as a
     /// pot at "0.1 * 3 / 0.3" does.
-    pub fn coefficient_range(&self) -> (f64, f64) {
+    fn allowed(&self) -> (f64, f64) {
         let slack = if self.measure == Measure::Fraction { ROUNDING } else { 0.0 };
         (self.range.0 - slack, self.range.1 + slack)
     }
 
     /// Whether a value may be set.
     pub fn allows(&self, value: f64) -> bool {
-        let (low, high) = self.coefficient_range();
+        let (low, high) = self.allowed();
         (low..=high).contains(&value)
     }
 
@@ -350,6 +364,7 @@ impl Setting {
     pub fn unit(&self) -> &'static str {
         match self.measure {
             Measure::Fraction | Measure::Ratio => "1",
+            Measure::Whole => "whole number",
             Measure::Volts => "V",
             Measure::MachineSeconds => "machine s",
             Measure::Seconds => "s",

@@ -22,6 +22,7 @@ mod kind;
 mod lag;
 mod log;
 mod multiplier;
+mod noise;
 mod open_amplifier;
 mod page;
 mod pot;
@@ -71,6 +72,7 @@ pub static REGISTRY: &[&Kind] = &[
     &ramp::KIND,
     &triangle::KIND,
     &sine::KIND,
+    &noise::KIND,
     &table::KIND,
 ];
 

@@ -7,7 +7,7 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::evaluate::Scratch;
 use super::loops::{LoopFault, Solutions};
-use super::{Loop, Program, Sources, rehearsal};
+use super::{Loop, Noise, Program, Sources, rehearsal};
 use crate::circuit::Circuit;
 use crate::elements::Output;
 use crate::patch::{Code, Diagnostic, Report, told};
@@ -51,6 +51,8 @@ fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest 
     let mut modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
     let delayed: Vec<f64> = program.delays.iter().map(|delay| coefficients[delay.initial as usize]).collect();
     let kept: Vec<f64> = program.kept.iter().map(|kept| coefficients[kept.initial as usize]).collect();
+    let first = |noise: &Noise| noise.distribution.number(coefficients[noise.seed as usize], 0);
+    let noise: Vec<f64> = program.noises.iter().map(first).collect();
     let mut registers = vec![0.0; program.body.len()];
     let mut scratch = Scratch::new(program);
     let mut restless = None;
@@ -64,6 +66,7 @@ fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest 
             tables: &program.tables,
             delayed: &delayed,
             kept: &kept,
+            noise: &noise,
         };
         scratch.faults.clear();
         program.evaluate(&from, &mut registers, &mut scratch);

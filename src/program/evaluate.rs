@@ -63,8 +63,9 @@ impl Evaluation for Dual {
         scratch: &mut Scratch,
     ) -> Dual {
         let values = |duals: &[Dual]| duals.iter().map(|dual| dual.value).collect::<Vec<f64>>();
-        let [parameters, coefficients, states, delayed, kept] =
-            [from.parameters, from.coefficients, from.states, from.delayed, from.kept].map(values);
+        let [parameters, coefficients, states, delayed, kept, noise] =
+            [from.parameters, from.coefficients, from.states, from.delayed, from.kept, from.noise]
+                .map(values);
         let plain = Sources {
             parameters: &parameters,
             coefficients: &coefficients,
@@ -74,6 +75,7 @@ impl Evaluation for Dual {
             tables: from.tables,
             delayed: &delayed,
             kept: &kept,
+            noise: &noise,
         };
         let solution = solve_tear(program, index, &plain, &values(registers), scratch);
         let mut slope_with = |tear: Dual| {
@@ -126,12 +128,12 @@ impl Program {
         self.coefficients.iter().map(|coefficient| registers[coefficient.register.index()]).collect()
     }
 
-    /// The first coefficient that is not a number in its range, with its value.
+    /// The first coefficient that is not a number that it may be, with its value.
     pub(crate) fn first_bad<'a>(&'a self, values: &'a [f64]) -> Option<(&'a Coefficient, f64)> {
         let pairs = self.coefficients.iter().zip(values.iter().copied());
         pairs.into_iter().find(|(coefficient, value)| {
             let (low, high) = coefficient.range;
-            !value.is_finite() || *value < low || *value > high
+            !value.is_finite() || *value < low || *value > high || coefficient.breaks(*value)
         })
     }
 }

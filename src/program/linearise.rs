@@ -17,10 +17,11 @@ pub(crate) struct OperatingPoint<'a> {
     /// What has arrived in the delay lines, and its slope in volts per second; `None` before anything has.
     pub delayed: &'a [Option<(f64, f64)>],
     pub kept: &'a [f64],
+    pub noise: &'a [f64],
 }
 
-/// The derivatives of a program's rates at an instant: modes, kept values and the contents of delay lines stand
-/// still.
+/// The derivatives of a program's rates at an instant: modes, kept values, noise and the contents of delay lines
+/// stand still.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Linearisation {
     /// Names of the states: rows of both matrices, columns of the first.
@@ -67,7 +68,7 @@ impl Program {
         let states = seeded(at.states, direction.state());
         let coefficients = self.prepare(&parameters);
         let delayed = self.delayed(at, &coefficients);
-        let kept = seeded(at.kept, None);
+        let (kept, noise) = (seeded(at.kept, None), seeded(at.noise, None));
         let from = Sources {
             parameters: &parameters,
             coefficients: &coefficients,
@@ -77,6 +78,7 @@ impl Program {
             tables: &self.tables,
             delayed: &delayed,
             kept: &kept,
+            noise: &noise,
         };
         let mut registers = vec![Dual::new(0.0, 0.0); self.body.len()];
         self.evaluate(&from, &mut registers, &mut Scratch::new(self));

@@ -9,6 +9,7 @@ mod evaluate;
 mod linearise;
 mod loops;
 mod lower;
+mod noise;
 mod number;
 mod op;
 mod piece;
@@ -26,6 +27,7 @@ pub use op::{Op, Register};
 pub(crate) use check::tell;
 pub(crate) use evaluate::Scratch;
 pub(crate) use loops::LoopFault;
+pub(crate) use noise::{Distribution, Noise};
 pub(crate) use op::Sources;
 pub(crate) use standing::Standing;
 
@@ -46,6 +48,7 @@ pub struct Program {
     pub(crate) modes: Vec<Mode>,
     pub(crate) delays: Vec<Delay>,
     pub(crate) kept: Vec<Kept>,
+    pub(crate) noises: Vec<Noise>,
     pub(crate) tables: Vec<Vec<[f64; 2]>>,
     /// Problem times, rising, at which tables have corners: no step reaches across one.
     pub(crate) corners: Vec<f64>,
@@ -88,8 +91,18 @@ pub struct Coefficient {
     pub label: String,
     /// Least and largest value allowed.
     pub range: (f64, f64),
+    /// Whether only whole numbers are allowed.
+    pub whole: bool,
     /// Where the patch speaks of it.
     pub(crate) span: Option<Span>,
+}
+
+impl Coefficient {
+    /// Whether a value within the range is not whole and must be.
+    pub(crate) fn breaks(&self, value: f64) -> bool {
+        let (low, high) = self.range;
+        self.whole && (low..=high).contains(&value) && value.fract() != 0.0
+    }
 }
 
 /// An element's output.

@@ -31,7 +31,7 @@ impl Lowering<'_> {
 
     pub(super) fn push_coefficient(&mut self, register: Register, label: String, range: (f64, f64)) -> u32 {
         let span = self.circuit.element(self.current).span;
-        self.program.coefficients.push(Coefficient { register, label, range, span });
+        self.program.coefficients.push(Coefficient { register, label, range, whole: false, span });
         self.program.coefficients.len() as u32 - 1
     }
 
@@ -52,6 +52,8 @@ impl Lowering<'_> {
         };
         let label = format!("{} {name}", element.name);
         let made = self.push_coefficient(register, label, element.kind.settings[index].coefficient_range());
+        self.program.coefficients[made as usize].whole =
+            element.kind.settings[index].measure == Measure::Whole;
         self.settings.insert((self.current, index), made);
         Some(made)
     }

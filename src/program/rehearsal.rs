@@ -130,7 +130,11 @@ impl Rehearsal<'_> {
             // What is allowed for rounding is not told.
             let plain = |bound: f64| if bound.abs() < 1e3 { (bound * 1e9).round() / 1e9 } else { bound };
             let [low, high] = [bad.range.0, bad.range.1].map(|bound| told(plain(bound)));
-            let message = format!("{} comes to {} here, outside {low} ... {high}", bad.label, told(value));
+            let allowed = match bad.breaks(value) {
+                true => "and must be a whole number".to_owned(),
+                false => format!("outside {low} ... {high}"),
+            };
+            let message = format!("{} comes to {} here, {allowed}", bad.label, told(value));
             let hint = "set the parameters otherwise, or rescale";
             self.tell(Diagnostic::at(Code::SettingOutside, span, message).hint(hint));
         }

@@ -1,7 +1,9 @@
 //! What an element's law can read, and the operations that it can emit.
 
 use super::lower::Lowering;
-use super::{Delay, Guard, Kept, Mode, ModeHandle, Op, Register, State, TimeConstant, Transition};
+use super::{
+    Delay, Distribution, Guard, Kept, Mode, ModeHandle, Noise, Op, Register, State, TimeConstant, Transition,
+};
 use crate::elements::{Default as SettingDefault, Family, Measure};
 use crate::machines::REFERENCE;
 use crate::patch::{Amount, Function};
@@ -335,6 +337,19 @@ impl Lowering<'_> {
         self.program.delays.push(Delay { element, input, time, initial, problem_seconds });
         self.own_delay.insert(self.current, index);
         self.emit(Op::Delayed(index))
+    }
+
+    /// Numbers drawn by chance, of mean 0 and variance 1, each held for a time; the seed, the time and the
+    /// distribution are settings.
+    pub fn noise(&mut self, seed: &str, every: &str, distribution: &str) -> Register {
+        let (seed, every) = (self.required(seed), self.required(every));
+        let distribution = match self.choice(distribution) {
+            "uniform" => Distribution::Uniform,
+            _ => Distribution::Normal,
+        };
+        let index = self.program.noises.len() as u32;
+        self.program.noises.push(Noise { element: self.current, seed, every, distribution });
+        self.emit(Op::Noise(index))
     }
 
     /// A value of the current element that stays the same within a step, a setting in initial condition.

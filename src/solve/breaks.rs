@@ -1,6 +1,7 @@
 //! Instants at which voltages jump or turn a corner: no step reaches across one.
 
 use super::machine::Machine;
+use super::noise_source::NoiseSource;
 
 /// Share of a step within which instants are the same.
 const SAME: f64 = 1e-9;
@@ -20,11 +21,13 @@ impl Machine<'_> {
         }
     }
 
-    /// The end of a stretch on the way to a time: no stretch goes across an echo or the corner of a table.
+    /// The end of a stretch on the way to a time: no stretch goes across an echo, the corner of a table, or an
+    /// instant at which noise jumps.
     pub(super) fn end_of_stretch(&self, target: f64) -> f64 {
-        let corner = self.next_corner().filter(|corner| *corner < target - SAME * self.step);
+        let jumps = self.noises.iter().map(NoiseSource::next);
+        let before = jumps.chain(self.next_corner()).filter(|time| *time < target - SAME * self.step);
         let echoes = self.lines.iter().filter_map(|line| line.echo_before(target));
-        echoes.chain(corner).fold(target, f64::min)
+        echoes.chain(before).fold(target, f64::min)
     }
 
     fn next_corner(&self) -> Option<f64> {
@@ -39,17 +42,18 @@ impl Machine<'_> {
         corners.get(next).is_some_and(|corner| *corner <= self.time + SAME * self.step)
     }
 
-    /// Takes note of what breaks here: corners of tables, and the echoes that come out of delay lines. Tells
-    /// whether any came out.
+    /// Takes note of what breaks here: corners of tables, jumps of noise, and the echoes that come out of delay
+    /// lines. Tells whether any voltage may have jumped.
     pub(super) fn meet_breaks(&mut self) -> bool {
         if self.is_at_corner() {
             self.remember_break(0);
         }
         let heard = self.lines.iter_mut().filter_map(|line| line.echoes_by(self.time)).min();
-        if let Some(echoes) = heard {
+        let drawn = self.draw_by(self.time + SAME * self.step);
+        if heard.is_some() || drawn {
             self.evaluate();
-            self.remember_break(echoes + 1);
+            self.remember_break(if drawn { 0 } else { heard.map_or(0, |echoes| echoes + 1) });
         }
-        heard.is_some()
+        heard.is_some() || drawn
     }
 }

@@ -66,6 +66,14 @@ impl DelayLine {
         }
     }
 
+    /// The same with room for so many jumps in a second, and for their echoes.
+    pub fn with_room_for(mut self, jumps: f64) -> Self {
+        let breaks = (2.0 * self.delay * jumps * f64::from(1 + MOST_ECHOES)).min(1e7) as usize;
+        self.breaks.reserve(breaks);
+        self.past.reserve(2 * breaks);
+        self
+    }
+
     pub fn delay(&self) -> f64 {
         self.delay
     }

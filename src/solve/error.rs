@@ -124,6 +124,14 @@ pub enum RunError {
     /// A repetition of nothing, or no repetition.
     #[error("a phase repeats nothing, or no times")]
     EmptyRepeat,
+    /// A number that must be whole and is not.
+    #[error("{what} comes to {value}, and must be a whole number", value = told(*value))]
+    NotWhole {
+        /// The setting.
+        what: String,
+        /// Its value.
+        value: f64,
+    },
     /// Times that a run cannot do without, and that nobody gave.
     #[error("the patch's \"run\" does not give {}", listed(.0))]
     Missing(Vec<TimeSetting>),
@@ -153,6 +161,19 @@ pub enum RunError {
     TooManySteps {
         /// Steps of all its phases, repetitions counted.
         steps: f64,
+        /// The limit.
+        most: f64,
+    },
+    /// More numbers of noise than anybody will wait for.
+    #[error(
+        "{element} would draw {numbers} numbers in the run; at most {most} are allowed; choose a longer \"every\"",
+        numbers = told(*numbers), most = told(*most)
+    )]
+    NoiseTooFine {
+        /// The drive.
+        element: String,
+        /// Numbers of all repetitions.
+        numbers: f64,
         /// The limit.
         most: f64,
     },
@@ -188,6 +209,8 @@ impl RunError {
             RunError::Rescaled { .. } => "scale-in-run",
             RunError::NoTime => "no-time",
             RunError::EmptyRepeat => "empty-repeat",
+            RunError::NotWhole { .. } => "not-whole",
+            RunError::NoiseTooFine { .. } => "noise-too-fine",
             RunError::Missing(_) => "missing-time",
             RunError::NotATime { .. } => "not-a-time",
             RunError::LongerThanRun { .. } => "longer-than-run",

@@ -2,14 +2,15 @@
 
 use super::error::RunError;
 use super::machine::{Machine, MachineMode};
-use crate::program::TimeConstant;
+use crate::program::{Coefficient, TimeConstant};
 
 impl Machine<'_> {
     /// Turns whatever pots follow from a parameter, given in its declared unit; also while running.
     /// In initial condition the initial conditions follow too.
     ///
     /// # Errors
-    /// When there is no such parameter, or a value or a setting leaves its range; nothing is changed then.
+    /// When there is no such parameter, or a value or a setting leaves its range or is not whole where it must be;
+    /// nothing is changed then.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), RunError> {
         self.set_all(&[(name, value)])
     }
@@ -26,8 +27,7 @@ impl Machine<'_> {
         }
         let coefficients = self.program.prepare(&parameters);
         if let Some((bad, value)) = self.program.first_bad(&coefficients) {
-            let (low, high) = bad.range;
-            return Err(RunError::OutsideRange { what: bad.label.clone(), value, low, high });
+            return Err(refused(bad, value));
         }
         self.or_as_before(|machine| {
             (machine.parameters, machine.coefficients) = (parameters, coefficients);
@@ -87,6 +87,7 @@ impl Machine<'_> {
                 (self.coefficients[delay.time as usize], self.coefficients[delay.initial as usize]);
             line.set(time * delay.problem_seconds, initial, self.time);
         }
+        self.draw_anew();
         self.check_times()?;
         match self.mode {
             MachineMode::InitialCondition => self.initial_condition(),
@@ -125,4 +126,13 @@ impl Machine<'_> {
         }
         Ok(())
     }
+}
+
+/// Why a coefficient cannot have a value.
+fn refused(bad: &Coefficient, value: f64) -> RunError {
+    let (what, (low, high)) = (bad.label.clone(), bad.range);
+    if bad.breaks(value) {
+        return RunError::NotWhole { what, value };
+    }
+    RunError::OutsideRange { what, value, low, high }
 }

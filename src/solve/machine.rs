@@ -3,6 +3,7 @@
 use super::delay_line::{DelayLine, Output};
 use super::error::{RunError, TimeSetting};
 use super::grid::Grid;
+use super::noise_source::NoiseSource;
 use super::overload::{self, Lit};
 use crate::program::{Linearisation, OperatingPoint, Program, Scratch, Sources};
 use crate::trace::{Overload, Work};
@@ -45,6 +46,9 @@ pub struct Machine<'p> {
     pub(super) lines: Vec<DelayLine>,
     /// The kept values, which stay the same within a step.
     kept: Vec<f64>,
+    pub(super) noises: Vec<NoiseSource>,
+    /// The numbers that hold now of the noise voltages.
+    pub(super) drawn: Vec<f64>,
     pub(super) scratch: Scratch,
     pub(super) lamps: Vec<Option<Lit>>,
     pub(super) mode: MachineMode,
@@ -125,6 +129,8 @@ impl<'p> Machine<'p> {
             delayed: vec![0.0; program.delays.len()],
             lines: delay_lines(program, &coefficients, step),
             kept: vec![0.0; program.kept.len()],
+            noises: NoiseSource::all(program, &coefficients),
+            drawn: vec![0.0; program.noises.len()],
             scratch: Scratch::new(program),
             lamps: vec![None; program.elements.len()],
             mode: MachineMode::InitialCondition,
@@ -158,6 +164,7 @@ impl<'p> Machine<'p> {
             *value = self.coefficients[kept.initial as usize];
         }
         self.lines.iter_mut().for_each(DelayLine::clear);
+        self.draw_anew();
         self.lamps.fill(None);
         self.pushed.fill(0.0);
         self.work = Work::default();
@@ -279,6 +286,7 @@ impl<'p> Machine<'p> {
             time: self.time,
             delayed: &delayed.collect::<Vec<_>>(),
             kept: &self.kept,
+            noise: &self.drawn,
         })
     }
 
@@ -329,6 +337,7 @@ impl<'p> Machine<'p> {
             tables: &self.program.tables,
             delayed: &self.delayed,
             kept: &self.kept,
+            noise: &self.drawn,
         };
         self.program.evaluate(&from, registers, &mut self.scratch);
     }
@@ -376,9 +385,10 @@ impl<'p> Machine<'p> {
 }
 
 fn delay_lines(program: &Program, coefficients: &[f64], step: f64) -> Vec<DelayLine> {
+    let jumps = NoiseSource::all(program, coefficients).iter().map(NoiseSource::rate).sum();
     let lines = program.delays.iter().map(|delay| {
         let time = coefficients[delay.time as usize] * delay.problem_seconds;
-        DelayLine::new(time, coefficients[delay.initial as usize], step)
+        DelayLine::new(time, coefficients[delay.initial as usize], step).with_room_for(jumps)
     });
     lines.collect()
 }

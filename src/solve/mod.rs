@@ -7,6 +7,7 @@ mod events;
 mod grid;
 mod hands;
 mod machine;
+mod noise_source;
 mod overload;
 mod player;
 mod recorder;

@@ -125,7 +125,7 @@ fn missing(plan: &RunPlan) -> RunError {
 }
 
 /// More steps than this, a day's work, are a slip of the pen.
-const MOST_STEPS: f64 = 1e11;
+pub(super) const MOST_STEPS: f64 = 1e11;
 /// The numbers of a trace take 8 bytes each, and as much again while they are written.
 const MOST_NUMBERS: f64 = 2e8;
 /// The room that the mark of a phase takes, in numbers.
@@ -152,6 +152,7 @@ pub fn run_watched(
     settings.check()?;
     player::check(program, &settings.phases)?;
     let machine = Machine::new(program, settings.step)?;
+    machine.check_noise(Extent::of(&settings.phases).operated)?;
     let recorder = Recorder::new(program, &machine, settings, progress)?;
     let mut player = Player::new(machine, recorder);
     let outcome = player.run(&settings.phases);

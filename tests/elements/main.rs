@@ -24,6 +24,7 @@ mod key_switch;
 mod lag;
 mod log;
 mod multiplier;
+mod noise;
 mod open_amplifier;
 mod pot;
 mod ramp;
