@@ -27,7 +27,7 @@ fn report(name: &str, text: &str) -> Report {
 }
 
 fn judged(file: &str, text: &str, changes: &[(String, f64)]) -> Result<Report, Box<Report>> {
-    let patch = Patch::parse(file, text)?;
+    let patch = Patch::parse_in(Path::new(FOLDER), file, text)?;
     let circuit = Circuit::new(&patch, changes)?;
     Program::new(&circuit)?;
     Ok(circuit.warnings())

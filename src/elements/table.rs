@@ -10,7 +10,11 @@ pub(super) static KIND: Kind = Kind {
     law: "out = the straight line between the points on either side of t",
     source: "curve follower of the period",
     symbol: "drive-table",
-    settings: &[Setting::required("points", Measure::Points, "points [time, value], times rising")],
+    settings: &[Setting::required(
+        "points",
+        Measure::Points,
+        "points [time, value], times rising; or a CSV file that holds them",
+    )],
     output_law,
     ..Kind::DRIVE
 };

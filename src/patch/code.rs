@@ -73,6 +73,8 @@ codes! {
         "look for a wrong power of ten";
     BadNumber "bad-number" Error "A number outside what its place allows."
         "choose a number that its place allows";
+    BadTable "bad-table" Error "A file that a table stands in cannot be read, or does not hold the table."
+        "a table is a CSV file: a line of names, and a line of numbers for every point";
     OutsideRange "outside-range" Error "A parameter outside the range that the patch gives it."
         "choose a value inside the range, or widen the range";
     SettingOutside "setting-outside" Error "A potentiometer setting outside 0 ... 1."

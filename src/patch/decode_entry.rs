@@ -6,6 +6,7 @@ use super::decode_curve::{Mirror, curve, points};
 use super::diagnostic::{Diagnostic, Span, suggestion};
 use super::document::{Amount, Entry, Placed, Plug};
 use super::fields::{Fields, Findings, flag, word, words};
+use super::table_file::{self, Purpose};
 use super::tree::{self, Content, Node};
 use crate::elements::{self, Default, Family, Jacks, Kind, Measure};
 use crate::machines::Part;
@@ -20,6 +21,7 @@ pub(super) fn entry(named: &tree::Entry, family: Family, findings: &mut Findings
         empty_jacks: Vec::new(),
         doubtful: false,
         settings: vec![None; kind.settings.len()],
+        files: Vec::new(),
         uses: Vec::new(),
         scale: None,
         note: fields.text("note", findings),
@@ -130,7 +132,20 @@ fn settings(fields: &mut Fields<'_>, prefix: &str, entry: &mut Entry, findings: 
             Default::Required => fields.need(key, setting.description),
             _ => fields.take(key),
         };
-        entry.settings[index] = node.and_then(|node| amount(node, key, setting.measure, entry, findings));
+        let Some(node) = node else { continue };
+        match purpose(setting.measure, entry).filter(|_| matches!(node.value, Content::Object(_))) {
+            Some(purpose) => entry.files.extend(table_file::asked(node, index, purpose, findings)),
+            None => entry.settings[index] = amount(node, key, setting.measure, entry, findings),
+        }
+    }
+}
+
+/// What the points of a setting are for, if it holds points.
+fn purpose(measure: Measure, entry: &Entry) -> Option<Purpose> {
+    match measure {
+        Measure::Points => Some(Purpose::InTime),
+        Measure::Curve(symmetry) => Some(Purpose::Curve(mirror(entry, symmetry))),
+        _ => None,
     }
 }
 

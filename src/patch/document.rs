@@ -14,6 +14,7 @@ use super::diagnostic::{Diagnostic, Report, Span};
 use super::formula::Formula;
 use super::macros::{Instance, Macro, Port};
 use super::phase::Phase;
+use super::table_file::{self, TableFile};
 use super::tree;
 use super::units::Unit;
 use crate::elements::Kind;
@@ -94,6 +95,8 @@ pub struct Entry {
     pub doubtful: bool,
     /// Its settings, in the order of the kind's; `None` where the patch says nothing.
     pub settings: Vec<Option<Placed<Amount>>>,
+    /// The files that its settings are still to be read from.
+    pub(crate) files: Vec<TableFile>,
     /// Names of the machine's parts that it lists, by key of the part.
     pub uses: Vec<(Placed<String>, Vec<Placed<String>>)>,
     /// The scale of a drive.
@@ -257,14 +260,23 @@ impl Patch {
                     .hint("save it with the encoding UTF-8");
             Box::new(Report::new(&file, &readable, vec![finding]))
         })?;
-        Ok(Patch::parse(&file, &text)?)
+        Ok(Patch::parse_in(path.parent().unwrap_or(Path::new("")), &file, &text)?)
     }
 
-    /// Reads a patch from a text; `file` is the name that reports give it.
+    /// Reads a patch from a text; `file` is the name that reports give it, and tables in files are looked for from
+    /// its folder.
     ///
     /// # Errors
     /// When the text is not a JSON object, or is longer than 16 MB.
     pub fn parse(file: &str, text: &str) -> Result<Patch, Box<Report>> {
+        Patch::parse_in(Path::new(file).parent().unwrap_or(Path::new("")), file, text)
+    }
+
+    /// The same, with tables in files looked for from another folder; an empty one is the working directory.
+    ///
+    /// # Errors
+    /// Those of [`Patch::parse`].
+    pub fn parse_in(folder: &Path, file: &str, text: &str) -> Result<Patch, Box<Report>> {
         if text.len() > LARGEST {
             return Err(too_large(file));
         }
@@ -273,6 +285,7 @@ impl Patch {
         let root = tree::parse(text).map_err(fail)?;
         let mut patch = Patch::empty(file, text, root.to_value());
         decode::document(&root, &mut patch).map_err(fail)?;
+        table_file::read_all(&mut patch, folder);
         Ok(patch)
     }
 

@@ -2,6 +2,7 @@
 
 mod builder;
 mod code;
+mod csv_rows;
 mod decode;
 mod decode_curve;
 mod decode_entry;
@@ -17,6 +18,7 @@ mod names;
 mod phase;
 mod places;
 mod schema;
+mod table_file;
 mod tree;
 mod units;
 

@@ -321,23 +321,30 @@ fn value(setting: &Setting) -> Value {
     match setting.measure {
         Measure::Flag => json!({"type": "boolean", "description": description}),
         Measure::Choice(words) => json!({"enum": words, "description": description}),
-        Measure::Points => json!({
-            "type": "array",
-            "minItems": 1,
-            "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
-            "description": description,
-        }),
+        Measure::Points => points(json!({"type": "number"}), 1, &description),
         Measure::Curve(_) => {
-            let volts = json!({"type": "number", "minimum": -REFERENCE, "maximum": REFERENCE});
-            json!({
-                "type": "array",
-                "minItems": 2,
-                "items": {"type": "array", "items": volts, "minItems": 2, "maxItems": 2},
-                "description": description,
-            })
+            points(json!({"type": "number", "minimum": -REFERENCE, "maximum": REFERENCE}), 2, &description)
         }
         _ => json!({"$ref": "#/$defs/formula", "description": description}),
     }
+}
+
+/// A list of points, or the file that holds them.
+fn points(number: Value, least: usize, description: &str) -> Value {
+    let list = json!({
+        "type": "array",
+        "minItems": least,
+        "items": {"type": "array", "items": number, "minItems": 2, "maxItems": 2},
+    });
+    let file = object(
+        &["csv"],
+        json!({
+            "csv": text("CSV file, from the folder of the patch: a line of names, and a line of numbers for every point"),
+            "x": text("column of the first numbers; the first column if absent"),
+            "y": text("column of the second numbers; the one beside x if absent"),
+        }),
+    );
+    json!({"oneOf": [list, file], "description": description})
 }
 
 fn uses(kind: &Kind) -> Value {

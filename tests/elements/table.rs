@@ -1,10 +1,16 @@
 //! Drive: a table of points.
 
+use std::fs;
+
+use patchcord::circuit::Circuit;
+use patchcord::patch::{Patch, PatchBuilder};
+use patchcord::program::Program;
+use patchcord::solve::{self, RunSettings};
 use proptest::prelude::*;
 use serde_json::json;
 
 use crate::bench::{ANY, bench_drive, drive_stops_at_100_volts, near, out, waits_in_hold};
-use crate::common::{element, ran, random_cases};
+use crate::common::{element, program, ran, random_cases, volts};
 
 /// The value of a table: straight between its points, level outside.
 fn looked_up(points: &[[f64; 2]], time: f64) -> f64 {
@@ -48,5 +54,54 @@ fn it_is_level_outside_its_points() {
     let program = bench_drive(element("table").set("points", json!([[0.1, 20], [0.2, 60]])));
     for (time, expected) in [(0.0, 20.0), (0.05, 20.0), (0.3, 60.0)] {
         assert!(near(out(&ran(&program, 1e-2, time)), expected), "{time}");
+    }
+}
+
+/// The program of a patch file of this text, in a folder with a table.
+fn beside(table: &str, points: serde_json::Value, unit: &str) -> Program {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("table.csv"), table).unwrap();
+    let drive = element("table").set("points", points);
+    let patch = PatchBuilder::new("beside").scale("force", 2, unit).drive("E", "force", drive).build();
+    // A built patch looks in the working directory, where there is no such file.
+    assert!(Circuit::new(patch.as_ref().unwrap(), &[]).is_err());
+    let path = folder.path().join("patch.json");
+    patch.unwrap().write(&path).unwrap();
+    program(&Patch::read(&path).unwrap(), &[])
+}
+
+#[test]
+fn a_table_in_a_file_is_that_table() {
+    let csv = "# a measurement\nt,other,f\n0.1,7,20\n0.3,7,60\n0.4,7,-30\n";
+    let program = beside(csv, json!({"csv": "table.csv", "y": "f"}), "N");
+    for time in [0.0, 0.15, 0.37, 0.9] {
+        let expected = looked_up(&[[0.1, 10.0], [0.3, 30.0], [0.4, -15.0]], time);
+        assert!(near(out(&ran(&program, 1e-2, time)), expected), "{time}");
+    }
+}
+
+#[test]
+fn units_that_a_file_tells_are_converted() {
+    let csv = "# t: min\n# f: kN\nt,f\n0,0.02\n0.01,0.08\n";
+    let program = beside(csv, json!({"csv": "table.csv"}), "N");
+    assert!(near(out(&ran(&program, 1e-2, 0.0)), 10.0));
+    assert!(near(out(&ran(&program, 1e-2, 0.3)), 25.0), "half-way to 0.6 s");
+}
+
+/// A triangle, recorded on a grid that meets its corners, drives another patch, volt by volt.
+#[test]
+fn a_recorded_trace_drives_another_patch() {
+    let triangle = element("triangle").set("amplitude", 37.3).set("frequency", 2.5);
+    let first = volts("first").drive("f", "volt", triangle).record(["f"]).build().unwrap();
+    let circuit = Circuit::new(&first, &[]).unwrap();
+    let settings = RunSettings { every: 0.02, ..RunSettings::of(&circuit).unwrap() };
+    let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
+    let mut csv = Vec::new();
+    trace.write_csv(&mut csv).unwrap();
+    let second =
+        beside(std::str::from_utf8(&csv).unwrap(), json!({"csv": "table.csv", "x": "t", "y": "f"}), "V");
+    for (time, volts) in trace.time.iter().zip(&trace.tracks[0].volts) {
+        let found = out(&ran(&second, 1e-2, *time));
+        assert!(near(found, 0.5 * volts), "{time}: {found} {volts}");
     }
 }

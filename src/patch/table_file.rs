@@ -1,0 +1,135 @@
+//! Points that stand in a CSV file instead of the patch.
+
+use std::path::Path;
+
+use super::code::Code;
+use super::csv_rows::{self, Fault, Rows};
+use super::decode_curve::{Mirror, Points, curve_of, points_of};
+use super::diagnostic::{Diagnostic, Span};
+use super::document::{Amount, Entry, Patch, Placed};
+use super::fields::{Fields, Findings, word};
+use super::tree::Node;
+use super::units::Unit;
+
+/// The file that a setting asks for, and what its points are for.
+#[derive(Debug, Clone)]
+pub(crate) struct TableFile {
+    setting: usize,
+    file: Placed<String>,
+    /// The names of the columns along x and y.
+    columns: [Option<Placed<String>>; 2],
+    pub(super) purpose: Purpose,
+    span: Span,
+}
+
+/// What points are for.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Purpose {
+    /// Values of a drive at problem times.
+    InTime,
+    /// A curve in volts.
+    Curve(Mirror),
+}
+
+/// Reads what a setting asks for: {"csv": file, "x": column, "y": column}.
+pub(super) fn asked(
+    node: &Node,
+    setting: usize,
+    purpose: Purpose,
+    findings: &mut Findings,
+) -> Option<TableFile> {
+    let mut fields = Fields::of(node, "a table in a file", findings)?;
+    let file = fields.need("csv", "the file that holds the table, from the folder of the patch");
+    let file = file.and_then(|node| word(node, "csv", findings));
+    let columns = ["x", "y"].map(|key| fields.take(key).and_then(|node| word(node, key, findings)));
+    fields.finish(findings);
+    Some(TableFile { setting, file: file?, columns, purpose, span: node.span })
+}
+
+/// Reads every file that the drives and elements of a patch ask for, from a folder.
+pub(super) fn read_all(patch: &mut Patch, folder: &Path) {
+    let scales = &patch.scales;
+    let mut findings = Findings::new();
+    for entry in patch.drives.values_mut().chain(patch.elements.values_mut()) {
+        let scale = entry.scale.as_ref().and_then(|scale| scales.get(&scale.value));
+        let unit = scale.map(|scale| scale.unit.clone());
+        for asked in std::mem::take(&mut entry.files) {
+            read(&asked, folder, unit.as_ref(), entry, &mut findings);
+        }
+    }
+    // The instances of a macro ask for the same file: what is wrong with it is told once.
+    for finding in findings {
+        if !patch.findings.contains(&finding) {
+            patch.findings.push(finding);
+        }
+    }
+}
+
+fn read(asked: &TableFile, folder: &Path, unit: Option<&Unit>, entry: &mut Entry, findings: &mut Findings) {
+    let path = folder.join(&asked.file.value);
+    let names = asked.columns.each_ref().map(|column| column.as_ref().map(|name| name.value.as_str()));
+    let rows = csv_rows::read(&path, names).and_then(|rows| asked.in_units(rows, unit, &path));
+    let points = match rows {
+        Ok(rows) => asked.judged(rows, &path, findings),
+        Err(faults) => {
+            findings.extend(faults.into_iter().map(|fault| asked.diagnostic(fault)));
+            None
+        }
+    };
+    entry.settings[asked.setting] =
+        points.map(|points| Placed { value: Amount::Points(points), span: asked.span });
+}
+
+impl TableFile {
+    fn diagnostic(&self, fault: Fault) -> Diagnostic {
+        let named = fault.axis.and_then(|axis| self.columns[axis].as_ref());
+        let span = named.map_or(self.file.span, |name| name.span);
+        Diagnostic::at(Code::BadTable, span, fault.message).hint(fault.hint)
+    }
+
+    /// The rows in the units of their place, where the file tells others.
+    fn in_units(&self, mut rows: Rows, unit: Option<&Unit>, path: &Path) -> Result<Rows, Vec<Fault>> {
+        let volts = Unit::parse("V").ok();
+        let seconds = Unit::parse("s").ok();
+        let places = match self.purpose {
+            Purpose::InTime => [seconds.as_ref(), unit],
+            Purpose::Curve(_) => [volts.as_ref(), volts.as_ref()],
+        };
+        let mut faults = Vec::new();
+        for axis in [0, 1] {
+            let told = rows.units[axis].as_ref().and_then(|text| Unit::parse(text).ok());
+            let (Some(told), Some(place)) = (told, places[axis]) else { continue };
+            if told.dimension() != place.dimension() {
+                faults.push(other_unit(&rows.names[axis], &told, place, path, axis));
+            } else if told.factor() != place.factor() {
+                rows.points
+                    .iter_mut()
+                    .for_each(|point| point[axis] = place.out_of_si(told.to_si(point[axis])));
+            }
+        }
+        if faults.is_empty() { Ok(rows) } else { Err(faults) }
+    }
+
+    /// The points, once they are found fit for their purpose.
+    fn judged(&self, rows: Rows, path: &Path, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
+        let place =
+            |index: usize| (self.file.span, format!(", in line {} of {}", rows.lines[index], path.display()));
+        let points =
+            Points { points: rows.points, place: &place, span: self.file.span, code: Code::BadTable };
+        match self.purpose {
+            Purpose::InTime => points_of(points, findings),
+            Purpose::Curve(mirror) => curve_of(points, "points", mirror, findings),
+        }
+    }
+}
+
+fn other_unit(name: &str, told: &Unit, place: &Unit, path: &Path, axis: usize) -> Fault {
+    let message = format!(
+        "the column {name} of {} is in {}, and {} is needed here",
+        path.display(),
+        told.text(),
+        place.text()
+    );
+    let hint = format!("take another column or scale, or correct the line \"# {name}: {}\"", told.text());
+    Fault { axis: Some(axis), ..Fault::new(message, hint) }
+}
