@@ -145,6 +145,7 @@ fn shown(row: &SettingRow, value: f64, unit: &str) -> String {
     match row.measure {
         Measure::Fraction => share(value),
         Measure::Ratio => digits(value),
+        Measure::Whole => value.to_string(),
         Measure::Volts => format!("{} V", digits(value)),
         Measure::MachineSeconds => Display::new("s", value).text(value),
         _ => Display::new(unit, value).text(value),
