@@ -379,9 +379,10 @@ fn in_range(
     span: Option<Span>,
     findings: &mut Vec<Diagnostic>,
 ) -> bool {
-    let unit = parameter.unit.text();
+    let unit = Some(parameter.unit.text()).filter(|unit| *unit != "1").map(|unit| format!(" {unit}"));
+    let unit = unit.unwrap_or_default();
     if !parameter.unit.to_si(value).is_finite() {
-        let message = format!("{name} is set to {value} {unit}, which cannot be reckoned with");
+        let message = format!("{name} is set to {value}{unit}, which cannot be reckoned with");
         let hint = Some("every number of a patch must be finite".to_owned());
         findings.push(Diagnostic { code: Code::NotFinite, span, message, hint });
         return false;
@@ -389,7 +390,7 @@ fn in_range(
     let outside = parameter.range.filter(|(low, high)| value < *low || value > *high);
     let Some((low, high)) = outside else { return true };
     let [value, low, high] = [value, low, high].map(told);
-    let message = format!("{name} = {value} {unit} is outside its range {low} ... {high} {unit}");
+    let message = format!("{name} = {value}{unit} is outside its range {low} ... {high}{unit}");
     let hint = "widen the range in the patch if the circuit can take it".to_owned();
     findings.push(Diagnostic { code: Code::OutsideRange, span, message, hint: Some(hint) });
     false

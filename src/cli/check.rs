@@ -6,11 +6,13 @@ use serde_json::{Value, json};
 
 use super::failure::{Failure, plural};
 use super::load::{Loaded, PatchArguments, parameters_json, problem_check};
+use super::overloads::{overload_json, overload_told};
 use super::table::Table;
 use super::{say, say_json};
 use patchcord::circuit::{Circuit, ScalingRow};
 use patchcord::patch::{Instance, Report};
 use patchcord::program::Program;
+use patchcord::trace::Overload;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -26,19 +28,26 @@ pub(super) struct Arguments {
 
 pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let Loaded { circuit, program } = arguments.patch.load()?;
-    let voltages =
-        voltages(&circuit, &program).map_err(|failure| failure.told_as_json(arguments.patch.json))?;
+    let statics =
+        statics(&circuit, &program).map_err(|failure| failure.told_as_json(arguments.patch.json))?;
     if arguments.patch.json {
-        return say_json(&document(&circuit, &program, &voltages));
+        return say_json(&document(&circuit, &program, &statics));
     }
-    say(&summary(&circuit, &program))?;
+    say(&summary(&circuit, &program, &statics.overloads))?;
     if arguments.voltages {
-        say(&format!("\n{}", voltage_table(&voltages)))?;
+        say(&format!("\n{}", voltage_table(&statics.voltages)))?;
     }
     if arguments.scaling {
         say(&format!("\n{}", scaling_table(&circuit.scaling())))?;
     }
     Ok(())
+}
+
+/// What the problem check shows.
+struct Statics {
+    voltages: Vec<Static>,
+    /// The lamps that are lit.
+    overloads: Vec<Overload>,
 }
 
 /// A voltage of the problem check.
@@ -48,17 +57,17 @@ struct Static {
     volts: f64,
 }
 
-fn voltages(circuit: &Circuit, program: &Program) -> Result<Vec<Static>, Failure> {
+fn statics(circuit: &Circuit, program: &Program) -> Result<Statics, Failure> {
     let machine = problem_check(circuit, program)?;
-    let mut read = Vec::new();
+    let mut voltages = Vec::new();
     for element in circuit.elements() {
         let volts = machine.voltage(&element.name)?;
-        read.push(Static { element: element.name.clone(), kind: element.kind.name, volts });
+        voltages.push(Static { element: element.name.clone(), kind: element.kind.name, volts });
     }
-    Ok(read)
+    Ok(Statics { voltages, overloads: machine.overloads() })
 }
 
-fn summary(circuit: &Circuit, program: &Program) -> String {
+fn summary(circuit: &Circuit, program: &Program, overloads: &[Overload]) -> String {
     let patch = circuit.patch();
     let mut text = format!("{}: {}\n", patch.file(), verdict(circuit.warnings().warnings()));
     if !patch.title.is_empty() {
@@ -76,6 +85,9 @@ fn summary(circuit: &Circuit, program: &Program) -> String {
     }
     for entry in program.loops() {
         text += &format!("loop without an integrator, one solution: {}\n", entry.members.join(", "));
+    }
+    for (order, overload) in overloads.iter().enumerate() {
+        text += &format!("{}\n", overload_told(order, overload));
     }
     text
 }
@@ -127,7 +139,7 @@ fn scaling_table(rows: &[ScalingRow]) -> String {
     table.text()
 }
 
-fn document(circuit: &Circuit, program: &Program, voltages: &[Static]) -> Value {
+fn document(circuit: &Circuit, program: &Program, statics: &Statics) -> Value {
     let warnings: Report = circuit.warnings();
     json!({
         "ok": true,
@@ -144,7 +156,8 @@ fn document(circuit: &Circuit, program: &Program, voltages: &[Static]) -> Value 
             "instances": instances.iter().map(|(name, instance)| instance_json(name, instance)).collect::<Value>(),
         })).collect::<Value>(),
         "loops": program.loops().iter().map(|entry| json!(entry.members)).collect::<Value>(),
-        "voltages": voltages.iter().map(|read| json!({
+        "overloads": statics.overloads.iter().map(overload_json).collect::<Value>(),
+        "voltages": statics.voltages.iter().map(|read| json!({
             "element": read.element, "kind": read.kind, "volts": read.volts,
         })).collect::<Value>(),
         "scaling": circuit.scaling().iter().map(row_json).collect::<Value>(),

@@ -56,9 +56,10 @@ impl PatchArguments {
     }
 }
 
-/// The parameters as a line of small print: those that are not 0, in short units.
+/// The parameters as a line of small print, in short units: those that are not 0, in the patch or as set.
 pub(super) fn parameter_line(circuit: &Circuit) -> String {
-    let told = circuit.parameters().filter(|(.., value)| *value != 0.0).map(|(name, parameter, value)| {
+    let shown = circuit.parameters().filter(|(_, parameter, value)| *value != 0.0 || parameter.value != 0.0);
+    let told = shown.map(|(name, parameter, value)| {
         format!("{name} {}", Display::new(parameter.unit.text(), value).text(value))
     });
     told.collect::<Vec<_>>().join(", ")

@@ -10,6 +10,7 @@ mod load;
 mod machines;
 mod man;
 mod new;
+mod overloads;
 mod phases;
 mod progress;
 mod run;

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use super::failure::{Failure, plural};
 use super::files::{FileArguments, Files};
 use super::load::{Loaded, PatchArguments, parameter_line, parameters_json};
+use super::overloads::{overload_json, overload_told};
 use super::phases::{phase_told, phases_json, phases_told};
 use super::progress::Progress;
 use super::table::Table;
@@ -15,7 +16,7 @@ use patchcord::instruments::{self, Display, Reading};
 use patchcord::patch::{Placed, RunPlan, Span};
 use patchcord::program::Program;
 use patchcord::solve::{self, RunError, RunSettings, Stopped, TimeSetting};
-use patchcord::trace::{Overload, Trace};
+use patchcord::trace::Trace;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -239,16 +240,6 @@ fn overloads_told(trace: &Trace) -> String {
     if text.is_empty() { "no overload\n".to_owned() } else { text }
 }
 
-fn overload_told(order: usize, overload: &Overload) -> String {
-    let Overload { element, time, peak, caused_by } = overload;
-    let cause = match caused_by {
-        Some(cause) => format!("caused by {cause}"),
-        None if order == 0 => "first".to_owned(),
-        None => "caused by none of those before".to_owned(),
-    };
-    format!("overload: {element} at t = {time:.6} s, asked for {peak:.1} V ({cause})")
-}
-
 fn document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files: &Files) -> Value {
     json!({
         "ok": true,
@@ -285,14 +276,5 @@ fn reading_json(reading: &Reading) -> Value {
         "end": reading.end,
         "least": {"value": reading.least.value, "t": reading.least.time},
         "most": {"value": reading.most.value, "t": reading.most.time},
-    })
-}
-
-fn overload_json(overload: &Overload) -> Value {
-    json!({
-        "element": overload.element,
-        "t": overload.time,
-        "peak": overload.peak,
-        "caused_by": overload.caused_by,
     })
 }

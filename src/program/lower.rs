@@ -136,8 +136,9 @@ impl<'c> Lowering<'c> {
 
     fn signals(&mut self) {
         for signal in self.circuit.signals() {
+            let is_volts = signal.scale.is_none() && signal.factor == 1.0;
             let per_volt =
-                signal.scale.map(|scale| self.signal_coefficient(&signal.name, scale, signal.factor));
+                (!is_volts).then(|| self.signal_coefficient(&signal.name, signal.scale, signal.factor));
             let (unit, per_unit) = self.circuit.signal_unit(signal);
             let dimension = signal.scale.map(|scale| self.circuit.derived_unit(scale).dimension());
             let register = self.outputs[signal.element].expect("outputs come before signals");

@@ -6,8 +6,12 @@ use crate::elements::{Default as SettingDefault, Measure};
 use crate::patch::{Amount, Callee, Expression, Formula, Function, Node, Operator};
 
 impl Lowering<'_> {
-    pub(super) fn signal_coefficient(&mut self, name: &str, scale: usize, factor: f64) -> u32 {
-        let volt = self.derived(scale);
+    /// What one volt of a signal stands for, in SI; volts without a scale.
+    pub(super) fn signal_coefficient(&mut self, name: &str, scale: Option<usize>, factor: f64) -> u32 {
+        let volt = match scale {
+            Some(scale) => self.derived(scale),
+            None => self.early(Op::Constant(1.0)),
+        };
         let factor = self.early(Op::Constant(factor));
         let register = self.early(Op::Multiply(volt, factor));
         let index = self.push_coefficient(register, format!("signal {name} per volt"), (f64::MIN, f64::MAX));

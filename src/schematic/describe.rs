@@ -189,7 +189,10 @@ fn signal_rows(circuit: &Circuit) -> Vec<Row> {
     let signals = circuit.patch().signals.iter();
     let row = |(name, signal): (&String, &crate::patch::Signal)| {
         let scale = signal.scale.as_ref().and_then(|scale| circuit.derived_index(&scale.value));
-        let volt = scale.and_then(|scale| volt(circuit, scale, signal.factor));
+        let volt = match scale {
+            Some(scale) => volt(circuit, scale, signal.factor),
+            None => (signal.factor != 1.0).then(|| stands_for("V", signal.factor)),
+        };
         Row::new(name, &volt.unwrap_or_default(), &format!("at {}", signal.at.value))
     };
     signals.map(row).collect()
@@ -197,9 +200,9 @@ fn signal_rows(circuit: &Circuit) -> Vec<Row> {
 
 /// What one volt stands for: "1 V = 0.254 mm/s".
 fn volt(circuit: &Circuit, scale: usize, factor: f64) -> Option<String> {
-    let value = factor * circuit.per_volt(scale)?;
-    Some(format!(
-        "1 V = {}",
-        Display::new(circuit.derived_unit(scale).text(), value).text(value).replace('-', "−")
-    ))
+    Some(stands_for(circuit.derived_unit(scale).text(), factor * circuit.per_volt(scale)?))
+}
+
+fn stands_for(unit: &str, value: f64) -> String {
+    format!("1 V = {}", Display::new(unit, value).text(value).replace('-', "−"))
 }

@@ -1,5 +1,6 @@
 //! The command line as a user meets it: what it prints, what it writes, how it ends.
 
+mod check;
 mod completions;
 mod draw;
 mod macros;

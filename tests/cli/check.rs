@@ -1,0 +1,66 @@
+//! `patchcord check`, and what its problem check and a run say of the same patch.
+
+use std::fs;
+
+use crate::{code, json, out, patchcord, path};
+
+/// 30 V at P, and a summer asked for -300 V by it; P is read with factors and without a scale.
+fn overdriven(folder: &tempfile::TempDir) -> String {
+    let file = path(folder, "overdriven.json");
+    let patch = r#"{
+      "patchcord": 1,
+      "parameters": {"share": {"value": 0.3, "unit": "1", "range": [0, 1]}, "spare": {"value": 0, "unit": "1"}},
+      "elements": {
+        "P": {"kind": "pot", "in": "+100", "setting": "share"},
+        "S": {"kind": "summer", "in": {"x10": ["P"]}}
+      },
+      "signals": {"turned": {"at": "P", "factor": -1}, "twice": {"at": "P", "factor": 2}, "s": {"at": "S"}},
+      "run": {"for": 1, "step": 0.1}
+    }"#;
+    fs::write(&file, patch).unwrap();
+    file
+}
+
+#[test]
+fn the_problem_check_tells_lamps_that_are_lit() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = overdriven(&folder);
+    let told = patchcord(&["check", &file]);
+    assert_eq!(code(&told), 0);
+    assert!(
+        out(&told).contains("overload: S at t = 0.000000 s, asked for 300.0 V (first)"),
+        "{}",
+        out(&told)
+    );
+    let document = json(&patchcord(&["check", &file, "--json"]));
+    assert_eq!(document["overloads"][0]["element"], "S");
+    let quiet = patchcord(&["check", &file, "--set", "share=0.1"]);
+    assert!(!out(&quiet).contains("overload"), "{}", out(&quiet));
+}
+
+#[test]
+fn a_factor_counts_without_a_scale() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = overdriven(&folder);
+    let document = json(&patchcord(&["run", &file, "--json"]));
+    let ends: Vec<_> =
+        document["readings"].as_array().unwrap().iter().map(|reading| &reading["end"]).collect();
+    assert_eq!(ends, [-30.0, 60.0, -100.0]);
+}
+
+#[test]
+fn a_parameter_that_was_set_to_0_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = overdriven(&folder);
+    let ran = patchcord(&["run", &file, "--set", "share=0"]);
+    assert!(out(&ran).contains("share 0\n"), "{}", out(&ran));
+    assert!(!out(&ran).contains("spare"), "{}", out(&ran));
+}
+
+#[test]
+fn a_pure_number_has_no_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = patchcord(&["check", &overdriven(&folder), "--set", "share=2"]);
+    let told = crate::errors(&refused);
+    assert!(told.contains("share = 2 is outside its range 0 ... 1\n"), "{told}");
+}
