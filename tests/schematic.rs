@@ -8,6 +8,7 @@ use drawn::{check, schematic};
 use patchcord::patch::{Patch, PatchBuilder};
 use patchcord::plot::{Format, Theme, render_drawing};
 use proptest::prelude::*;
+use serde_json::{Value, json};
 
 fn stems() -> Vec<String> {
     let entries = std::fs::read_dir("tests/patches").unwrap().map(|entry| entry.unwrap().path());
@@ -32,11 +33,11 @@ fn the_final_circuit_is_drawn_rightly() {
     let circuit = common::circuit(&common::slideway(), &[]);
     let drawn = schematic(&circuit);
     check(&circuit, "fig-8-16");
-    let dead_zone = drawn.symbols.iter().find(|placed| placed.symbol.name == "DZ").unwrap();
+    let dead_zone = drawn.main.symbols.iter().find(|placed| placed.symbol.name == "DZ").unwrap();
     let texts: Vec<_> = dead_zone.labels().map(|label| label.text.as_str()).collect();
     assert!(["DZ", "0.2537", "PB1 PB2 D1D2"].iter().all(|text| texts.contains(text)), "{texts:?}");
-    let v_o = drawn.symbols.iter().find(|placed| placed.symbol.name == "B3").unwrap();
-    assert_eq!(v_o.symbol.signals, ["v_o"]);
+    let v_o = drawn.main.symbols.iter().find(|placed| placed.symbol.name == "B3").unwrap();
+    assert_eq!(v_o.symbol.outlets[0].signals, ["v_o"]);
 }
 
 #[test]
@@ -48,6 +49,76 @@ fn the_same_circuit_gives_the_same_bytes() {
     }
     let text = String::from_utf8(bytes(Format::Svg)).unwrap();
     roxmltree::Document::parse(&text).unwrap();
+}
+
+fn parsed(document: &Value) -> Patch {
+    Patch::parse("macros.json", &document.to_string()).unwrap_or_else(|report| panic!("{report}"))
+}
+
+#[test]
+fn macros_are_boxes_with_their_ports_settings_and_what_is_read_inside() {
+    let text = std::fs::read_to_string("tests/patches/lags-in-macros.json").unwrap();
+    let mut document: Value = serde_json::from_str(&text).unwrap();
+    document["signals"]["middle"] = json!({"at": "W.sum", "scale": "volt"});
+    let drawn = schematic(&common::circuit(&parsed(&document), &[]));
+    let names: Vec<_> = drawn.main.symbols.iter().map(|placed| placed.symbol.name.as_str()).collect();
+    assert_eq!(names, ["D", "P", "W", "L"]);
+    let opened: Vec<_> =
+        drawn.macros.iter().map(|opened| (opened.of.as_str(), opened.instance.as_str())).collect();
+    assert_eq!(opened, [("two-lags", "W"), ("lag-8-15", "W.first")]);
+    let w = &drawn.main.symbols[2];
+    let texts: Vec<_> = w.labels().map(|label| label.text.as_str()).collect();
+    for wanted in ["W", "two-lags", "in", "level", "out", "between", "T 20 ms", "inside: middle"] {
+        assert!(texts.contains(&wanted), "{wanted}: {texts:?}");
+    }
+    let ports: Vec<_> = w.symbol.outlets.iter().map(|outlet| outlet.port.as_str()).collect();
+    assert_eq!(ports, ["out", "between"]);
+    assert_eq!(w.symbol.outlets[1].signals, ["between"]);
+    assert!(w.outputs[0].1 < w.outputs[1].1);
+    let inside: Vec<_> =
+        drawn.macros[0].diagram.symbols.iter().map(|placed| placed.symbol.name.as_str()).collect();
+    assert_eq!(inside, ["in", "level", "first", "sum", "second", "out", "between"]);
+}
+
+/// Ports that one output drives, that a reference drives, that the instance itself drives, that lead nowhere else than
+/// into an instance inside; outputs that nothing reads.
+#[test]
+fn ports_that_are_easily_mistaken_are_told_apart() {
+    let circuit = common::circuit(
+        &parsed(&json!({
+            "patchcord": 1,
+            "scales": {"volt": {"per_volt": 1, "unit": "V"}},
+            "drives": {"D": {"kind": "step", "scale": "volt", "height": 50}},
+            "macros": {
+                "sum": {
+                    "inputs": {"a": "", "b": "", "c": ""},
+                    "outputs": {"minus": "B"},
+                    "elements": {"B": {"kind": "summer", "in": {"x1": ["a", "b", "B2"], "x10": ["c"]}},
+                                 "B2": {"kind": "pot", "in": "a", "setting": 0.1}}
+                },
+                "pair": {
+                    "inputs": {"one": "", "two": ""},
+                    "outputs": {"first": "S", "second": "A", "again": "A", "unread": "P"},
+                    "elements": {
+                        "S": {"kind": "sum", "a": "one", "b": "two", "c": "A"},
+                        "T": {"kind": "sum", "a": "two", "b": "ground", "c": "one"},
+                        "A": {"kind": "integrator", "in": {"x1": ["S", "T", "two", "one", "A"]}},
+                        "P": {"kind": "pot", "in": "A", "setting": 0.5}
+                    }
+                }
+            },
+            "elements": {
+                "M": {"kind": "pair", "one": "D", "two": "D"},
+                "N": {"kind": "pair", "one": "+100", "two": "N.second"},
+                "O": {"kind": "pair", "one": "M.second", "two": "M.first"}
+            },
+            "signals": {"x": {"at": "O", "scale": "volt"}, "y": {"at": "N.again", "scale": "volt"}},
+            "run": {"for": 1, "step": 1e-3},
+            "record": ["x", "y"]
+        })),
+        &[],
+    );
+    check(&circuit, "ports");
 }
 
 /// Integrators, summers and pots; cords that go back lead into integrators only.

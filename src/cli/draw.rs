@@ -29,6 +29,9 @@ pub(super) struct Arguments {
     /// Draw the patch panel of the machine with its cords instead
     #[arg(long, conflicts_with = "values")]
     board: bool,
+    /// Draw what is inside of macros in its place, not as boxes
+    #[arg(long, conflicts_with = "board")]
+    open: bool,
     /// Light lines on a dark page
     #[arg(long)]
     dark: bool,
@@ -111,7 +114,8 @@ impl Arguments {
         };
         let volts =
             |name: &str| machine.as_ref().and_then(|machine: &Machine<'_>| machine.voltage(name).ok());
-        Schematic::new(circuit, note, &volts).map_err(too_many)
+        let schematic = if self.open { Schematic::opened } else { Schematic::new };
+        schematic(circuit, &note, &volts).map_err(too_many)
     }
 }
 

@@ -1,73 +1,117 @@
 //! From the circuit to symbols and lists.
 
 use super::lists::{List, Row};
-use super::symbol::{Jack, Setting, Source, Symbol, Value, digits, share};
-use crate::circuit::{Circuit, Element};
-use crate::elements::{Default, Family, Jacks, Measure, Setting as SettingRow};
+use super::symbol::{Jack, Outlet, Setting, Source, Symbol, Value, digits, share};
+use super::view::{Item, View};
+use crate::circuit::{Circuit, Cord, Element};
+use crate::elements::{Default, Jacks, Measure, Setting as SettingRow};
 use crate::instruments::Display;
-use crate::patch::{Amount, Entry, Formula, Unit};
+use crate::patch::{Amount, Entry, Formula, Instance, InstanceSetting, Unit};
 
-/// The symbols of a circuit, drives first, in the order of the document.
-pub(super) fn symbols(circuit: &Circuit, volts: &dyn Fn(&str) -> Option<f64>) -> Vec<Symbol> {
-    let elements = circuit.elements();
-    let mut numbers = vec![None; elements.len()];
-    let drawn = (0..elements.len()).filter(|index| elements[*index].kind.family != Family::Reference);
-    drawn.clone().enumerate().for_each(|(number, index)| numbers[index] = Some(number));
-    let describer = Describer { circuit, numbers, volts };
-    drawn.map(|index| describer.symbol(index, elements[index])).collect()
+/// The symbols of what stands on a drawing, drives first, in the order of the document.
+pub(super) fn symbols(view: &View<'_>, volts: &dyn Fn(&str) -> Option<f64>) -> Vec<Symbol> {
+    let describer = Describer { view, volts };
+    view.items.iter().map(|item| describer.symbol(*item)).collect()
 }
 
 struct Describer<'a> {
-    circuit: &'a Circuit,
-    /// For every element the number of its symbol.
-    numbers: Vec<Option<usize>>,
+    view: &'a View<'a>,
     volts: &'a dyn Fn(&str) -> Option<f64>,
 }
 
 impl Describer<'_> {
-    fn symbol(&self, index: usize, element: &Element) -> Symbol {
-        let patch = self.circuit.patch();
+    fn symbol(&self, item: Item<'_>) -> Symbol {
+        match item {
+            Item::Element(index) => self.element(index),
+            Item::Instance(name, instance) => self.instance(name, instance),
+            Item::Inlet(port) => terminal(port, "port-in", None),
+            Item::Outlet(port, element) => terminal(port, "port-out", self.view.source_named(element)),
+        }
+    }
+
+    fn element(&self, index: usize) -> Symbol {
+        let (circuit, patch) = (self.view.circuit, self.view.circuit.patch());
+        let element = circuit.element(index);
         let entry = patch.elements.get(&element.name).or_else(|| patch.drives.get(&element.name));
-        let signals = patch.signals.iter().filter(|(_, signal)| signal.at.value == element.name);
         Symbol {
-            name: element.name.clone(),
-            kind: element.kind.name,
+            name: self.view.local(&element.name).to_owned(),
+            kind: element.kind.name.to_owned(),
             shape: element.kind.symbol,
             jacks: self.jacks(index, element),
-            settings: settings(self.circuit, element),
+            settings: settings(circuit, element),
             parts: entry.map(parts).unwrap_or_default(),
-            signals: signals.map(|(name, _)| name.clone()).collect(),
-            volts: (self.volts)(&element.name),
+            outlets: vec![self.outlet("", &element.name)],
+            inside: Vec::new(),
             note: entry.map(|entry| entry.note.clone()).unwrap_or_default(),
         }
     }
 
     fn jacks(&self, index: usize, element: &Element) -> Vec<Jack> {
-        let mut cords = self.circuit.cords(index);
-        cords.sort_by_key(|(_, cord)| cord.input);
-        let jack = |(from, cord): (usize, crate::circuit::Cord)| {
+        let jack = |(cord, from): (Cord, Source)| {
             let input = &element.kind.inputs[cord.input];
-            Jack {
-                input: input.name,
-                gain: (input.jacks == Jacks::Gains).then_some(cord.gain),
-                from: self.source(from),
-            }
+            let gain = (input.jacks == Jacks::Gains).then_some(cord.gain);
+            Jack { input: input.name.to_owned(), gain, from }
         };
-        cords.into_iter().map(jack).collect()
+        self.view.cords(index).into_iter().map(jack).collect()
     }
 
-    fn source(&self, element: usize) -> Source {
-        match self.numbers[element] {
-            Some(number) => Source::Output(number),
-            None => Source::Reference(reference(&self.circuit.element(element).name)),
+    fn instance(&self, name: &str, instance: &Instance) -> Symbol {
+        let plugged = self.view.plugged(instance);
+        let ports = instance.outputs.iter();
+        let comes_out = |element: &str| instance.outputs.values().any(|out| out == element);
+        let inside = instance.members.iter().filter(|member| !comes_out(member));
+        Symbol {
+            name: self.view.local(name).to_owned(),
+            kind: instance.of.clone(),
+            shape: "macro",
+            jacks: plugged.map(|(port, from)| Jack { input: port.to_owned(), gain: None, from }).collect(),
+            settings: instance_settings(self.view.circuit, name, instance),
+            parts: Vec::new(),
+            outlets: ports.map(|(port, element)| self.outlet(port, element)).collect(),
+            inside: inside.flat_map(|member| self.signals(member)).collect(),
+            note: instance.note.clone(),
         }
+    }
+
+    fn outlet(&self, port: &str, element: &str) -> Outlet {
+        Outlet { port: port.to_owned(), signals: self.signals(element), volts: (self.volts)(element) }
+    }
+
+    /// The signals that are read at an element.
+    fn signals(&self, element: &str) -> Vec<String> {
+        let signals = self.view.circuit.patch().signals.iter();
+        signals.filter(|(_, signal)| signal.at.value == element).map(|(name, _)| name.clone()).collect()
     }
 }
 
-/// The name of a reference as the machine has it.
-fn reference(name: &str) -> &'static str {
-    let known = crate::elements::REFERENCES.iter().find(|(known, _)| *known == name);
-    known.map_or("ground", |(known, _)| known)
+/// A port of an opened instance.
+fn terminal(port: &str, shape: &'static str, from: Option<Source>) -> Symbol {
+    Symbol {
+        name: port.to_owned(),
+        kind: "port".to_owned(),
+        shape,
+        jacks: from.into_iter().map(|from| Jack { input: String::new(), gain: None, from }).collect(),
+        settings: Vec::new(),
+        parts: Vec::new(),
+        outlets: vec![Outlet::default()],
+        inside: Vec::new(),
+        note: String::new(),
+    }
+}
+
+/// The settings of an instance, in the units that its macro gives them.
+fn instance_settings(circuit: &Circuit, name: &str, instance: &Instance) -> Vec<Setting> {
+    let setting = |(key, made): (&String, &InstanceSetting)| {
+        let value = circuit.per_volt(circuit.derived_index(&format!("{name}.{key}"))?)?;
+        let text = made.value.value.text();
+        Some(Setting {
+            name: key.clone(),
+            formula: text.trim().parse::<f64>().is_err().then(|| text.to_owned()),
+            value: Value::Number(value),
+            shown: Display::new(made.unit.text(), value).text(value),
+        })
+    };
+    instance.settings.iter().filter_map(setting).collect()
 }
 
 fn parts(entry: &Entry) -> Vec<String> {
@@ -103,7 +147,7 @@ fn given_setting(circuit: &Circuit, element: &Element, row: &SettingRow, amount:
         }
         (Amount::Choice(_), _) => return None,
     };
-    Some(Setting { name: row.name, formula, value, shown })
+    Some(Setting { name: row.name.to_owned(), formula, value, shown })
 }
 
 fn preset(circuit: &Circuit, element: &Element, row: &SettingRow) -> Option<Setting> {
@@ -118,7 +162,7 @@ fn preset(circuit: &Circuit, element: &Element, row: &SettingRow) -> Option<Sett
         Value::Word(word) => (*word).to_owned(),
         _ => shown(row, number, &unit(circuit, element, row)),
     };
-    Some(Setting { name: row.name, formula: None, value, shown })
+    Some(Setting { name: row.name.to_owned(), formula: None, value, shown })
 }
 
 /// The unit of a setting's numbers.
@@ -152,27 +196,31 @@ fn shown(row: &SettingRow, value: f64, unit: &str) -> String {
     }
 }
 
-/// The lists below a drawing: settings with their formulas, drives, signals, notes.
-pub(super) fn lists(circuit: &Circuit, symbols: &[Symbol]) -> Vec<List> {
-    let elements = || symbols.iter().filter(|symbol| circuit.patch().elements.contains_key(&symbol.name));
-    let drives = || symbols.iter().filter(|symbol| circuit.patch().drives.contains_key(&symbol.name));
-    let notes = symbols.iter().filter(|symbol| !symbol.note.is_empty());
+/// The lists below a drawing: settings with their formulas, drives, signals, notes. Symbols come with what their
+/// names begin with.
+pub(super) fn lists(circuit: &Circuit, symbols: &[(&str, &Symbol)]) -> Vec<List> {
+    let is_drive = |symbol: &Symbol| symbol.shape.starts_with("drive-");
+    let elements = symbols.iter().filter(|(_, symbol)| !is_drive(symbol));
+    let drives = symbols.iter().filter(|(_, symbol)| is_drive(symbol));
+    let notes = symbols.iter().filter(|(_, symbol)| !symbol.note.is_empty());
+    let note =
+        |(prefix, symbol): &(&str, &Symbol)| Row::new(&format!("{prefix}{}", symbol.name), "", &symbol.note);
     let lists = [
-        ("Settings", elements().flat_map(formula_rows).collect()),
-        ("Drives", drives().map(|drive| drive_row(circuit, drive)).collect()),
+        ("Settings", elements.flat_map(|(prefix, symbol)| formula_rows(prefix, symbol)).collect()),
+        ("Drives", drives.map(|(_, drive)| drive_row(circuit, drive)).collect()),
         ("Signals", signal_rows(circuit)),
-        ("Notes", notes.map(|symbol| Row::new(&symbol.name, "", &symbol.note)).collect::<Vec<_>>()),
+        ("Notes", notes.map(note).collect::<Vec<_>>()),
     ];
     let lists = lists.into_iter().map(|(heading, rows)| List { heading, rows });
     lists.filter(|list| !list.rows.is_empty()).collect()
 }
 
-fn formula_rows(symbol: &Symbol) -> impl Iterator<Item = Row> + '_ {
-    symbol.settings.iter().filter_map(|setting| {
+fn formula_rows<'a>(prefix: &'a str, symbol: &'a Symbol) -> impl Iterator<Item = Row> + 'a {
+    symbol.settings.iter().filter_map(move |setting| {
         let formula = setting.formula.as_ref()?;
-        let name = match setting.name {
-            "setting" => symbol.name.clone(),
-            other => format!("{} {other}", symbol.name),
+        let name = match setting.name.as_str() {
+            "setting" => format!("{prefix}{}", symbol.name),
+            other => format!("{prefix}{} {other}", symbol.name),
         };
         Some(Row::new(&name, &setting.shown, formula))
     })

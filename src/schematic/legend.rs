@@ -1,7 +1,7 @@
 //! All symbols on one sheet.
 
 use super::shapes::{self, PRINT};
-use super::symbol::{Jack, Setting, Source, Symbol, Value, digits, share};
+use super::symbol::{Jack, Outlet, Setting, Source, Symbol, Value, digits, share};
 use crate::elements::{Default, Family, Jacks, Kind, Measure, REGISTRY, Setting as SettingRow};
 use crate::plot::{Align, Drawing, Ink, Label, Stroke};
 
@@ -47,17 +47,21 @@ fn example(kind: &'static Kind) -> Symbol {
             Jacks::Exactly(2) => &[None, None],
             _ => &[None],
         };
-        gains.iter().map(|gain| Jack { input: input.name, gain: *gain, from: Source::Output(0) })
+        gains.iter().map(|gain| Jack {
+            input: input.name.to_owned(),
+            gain: *gain,
+            from: Source::Output(0, 0),
+        })
     });
     Symbol {
         name: if kind.family == Family::Drive { "v_i" } else { "A1" }.to_owned(),
-        kind: kind.name,
+        kind: kind.name.to_owned(),
         shape: kind.symbol,
         jacks: jacks.collect(),
         settings: kind.settings.iter().filter_map(setting).collect(),
         parts: Vec::new(),
-        signals: Vec::new(),
-        volts: None,
+        outlets: vec![Outlet::default()],
+        inside: Vec::new(),
         note: String::new(),
     }
 }
@@ -79,7 +83,7 @@ fn setting(row: &SettingRow) -> Option<Setting> {
         Measure::Points | Measure::Curve(_) => (Value::Points(CURVE.to_vec()), String::new()),
         _ => (Value::Number(number), digits(number)),
     };
-    Some(Setting { name: row.name, formula: None, value, shown })
+    Some(Setting { name: row.name.to_owned(), formula: None, value, shown })
 }
 
 const CURVE: [[f64; 2]; 5] = [[0.0, 0.0], [1.0, 3.0], [2.0, 4.0], [3.0, 1.5], [4.0, 2.0]];

@@ -5,6 +5,7 @@
 
 mod board;
 mod describe;
+mod diagram;
 mod heading;
 mod json;
 mod layout;
@@ -13,10 +14,12 @@ mod lists;
 mod shapes;
 mod sheet;
 mod symbol;
+mod view;
 
 pub use board::{Board, Cord, Module};
+pub use diagram::{Diagram, Net, PlacedSymbol};
 pub use layout::{Point, Route};
 pub use legend::legend;
 pub use lists::{List, Row};
-pub use sheet::{DrawError, Net, PlacedSymbol, Schematic};
-pub use symbol::{Jack, Setting, Source, Symbol, Value};
+pub use sheet::{DrawError, Opened, Schematic};
+pub use symbol::{Jack, Outlet, Setting, Source, Symbol, Value};

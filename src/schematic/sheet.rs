@@ -1,53 +1,43 @@
 //! The schematic as data, and as a drawing.
 
+use indexmap::IndexMap;
+
 use super::describe;
+use super::diagram::{Diagram, Plan};
 use super::heading::{self, Heading};
-use super::layout::{Graph, Layout, Net as Wire, Node, Point, Route, layout};
+use super::layout::Point;
 use super::lists::{self, List};
-use super::shapes::{self, Art, CORD};
-use super::symbol::{Source, Symbol};
+use super::view::{Show, View};
 use crate::circuit::Circuit;
-use crate::plot::{Area, Drawing, Ink, Label, Stroke};
+use crate::plot::{Drawing, Ink, Stroke};
 
 /// Symbols with their places, and nets with their lines, in pixels from the upper left corner of the sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schematic {
     heading: Heading,
-    /// The symbols, drives first, in the order of the document.
-    pub symbols: Vec<PlacedSymbol>,
-    /// The nets, in the order of the symbols that drive them.
-    pub nets: Vec<Net>,
+    /// The circuit, instances of macros as boxes.
+    pub main: Diagram,
+    /// The macros in it, opened.
+    pub macros: Vec<Opened>,
     /// Lists below the drawing.
     pub lists: Vec<List>,
-    /// Width and height of the drawing without heading and lists.
-    size: (f64, f64),
+    /// Width of the drawing, and where it ends above the lists.
+    width: f64,
+    bottom: f64,
 }
 
-/// A symbol in its place.
+/// What is inside of a macro, as one of its instances has it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PlacedSymbol {
-    /// What is drawn; its jacks from the top down.
-    pub symbol: Symbol,
-    /// Its anchor.
-    pub at: Point,
-    /// Its room, texts included.
-    pub area: Area,
-    /// Where cords arrive, jack by jack.
-    pub inputs: Vec<Point>,
-    /// Where its cord leaves.
-    pub output: Point,
-    marks: Vec<Stroke>,
-}
-
-/// A cord from an output to every jack that it is plugged into.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Net {
-    /// Index of the symbol that drives it.
-    pub from: usize,
-    /// Symbols and jacks that read it.
-    pub to: Vec<(usize, usize)>,
-    /// Its lines.
-    pub route: Route,
+pub struct Opened {
+    heading: Heading,
+    /// The macro.
+    pub of: String,
+    /// The instance whose settings, signals and voltages are shown.
+    pub instance: String,
+    /// Its ports, elements and cords, by the names that they have in the macro.
+    pub diagram: Diagram,
+    /// Where its heading stands.
+    at: Point,
 }
 
 /// Why there is no schematic.
@@ -71,158 +61,114 @@ impl DrawError {
 /// Room around everything.
 const MARGIN: f64 = 28.0;
 
+/// Room above a line across the sheet, and from there to what stands below it.
+const RULE: f64 = 14.0;
+const ABOVE: f64 = 20.0;
+
 impl Schematic {
     /// The most elements and drives that are drawn on a sheet.
     pub const MOST: usize = 2000;
 
-    /// The schematic of a circuit. `volts` tells the voltages to be written at outputs, `note` is small print.
+    /// The schematic of a circuit: instances of macros as boxes, and below it every macro once, opened. `volts`
+    /// tells the voltages to be written at outputs, `note` is small print.
     ///
     /// # Errors
-    /// When the circuit has more than [`Schematic::MOST`] elements and drives.
+    /// When more than [`Schematic::MOST`] symbols have to be drawn.
     pub fn new(
         circuit: &Circuit,
-        note: String,
+        note: &str,
         volts: &dyn Fn(&str) -> Option<f64>,
     ) -> Result<Schematic, DrawError> {
-        let symbols = describe::symbols(circuit, volts);
-        DrawError::check(symbols.len())?;
-        let lists = describe::lists(circuit, &symbols);
-        let graph = graph(&symbols);
-        let layout = layout(&graph);
+        let first = used(circuit).into_values().map(|instances| Show::Inside(instances[0]));
+        let shows: Vec<Show<'_>> = std::iter::once(Show::Boxes).chain(first).collect();
+        Schematic::of(circuit, &shows, note, volts)
+    }
+
+    /// The schematic of a circuit with every instance opened in its place.
+    ///
+    /// # Errors
+    /// As for [`Schematic::new`].
+    pub fn opened(
+        circuit: &Circuit,
+        note: &str,
+        volts: &dyn Fn(&str) -> Option<f64>,
+    ) -> Result<Schematic, DrawError> {
+        Schematic::of(circuit, &[Show::Elements], note, volts)
+    }
+
+    fn of(
+        circuit: &Circuit,
+        shows: &[Show<'_>],
+        note: &str,
+        volts: &dyn Fn(&str) -> Option<f64>,
+    ) -> Result<Schematic, DrawError> {
+        let views: Vec<View<'_>> = shows.iter().map(|show| View::new(circuit, *show)).collect();
+        DrawError::check(views.iter().map(|view| view.items.len()).sum())?;
+        let plans: Vec<Plan> = views.iter().map(|view| Plan::new(describe::symbols(view, volts))).collect();
+        let named = views.iter().zip(&plans);
+        let named =
+            named.flat_map(|(view, plan)| plan.symbols().iter().map(|symbol| (&*view.prefix, symbol)));
+        let lists = describe::lists(circuit, &named.collect::<Vec<_>>());
         let patch = circuit.patch();
-        let width = heading::width(layout.size.0, &patch.title);
-        let heading = Heading::new(&patch.title, &[&patch.source, &note], width);
-        let size = (width, layout.size.1);
-        let mut schematic = Schematic { heading, symbols: vec![], nets: vec![], lists, size };
-        schematic.place(symbols, graph, layout);
+        let width = heading::width(plans.iter().map(|plan| plan.size().0).fold(0.0, f64::max), &patch.title);
+        let heading = Heading::new(&patch.title, &[&patch.source, note], width);
+        let bottom = MARGIN + heading.height();
+        let (main, macros) = (Diagram::default(), Vec::new());
+        let mut schematic = Schematic { heading, main, macros, lists, width, bottom };
+        shows.iter().zip(plans).for_each(|(show, plan)| schematic.add(circuit, *show, plan));
         Ok(schematic)
     }
 
-    fn place(&mut self, symbols: Vec<Symbol>, graph: Graph, layout: Layout) {
-        let by = (MARGIN, MARGIN + self.heading.height());
-        let shift = |at: Point| (at.0 + by.0, at.1 + by.1);
-        let placed = symbols.into_iter().zip(&layout.slots).zip(&layout.places);
-        self.symbols =
-            placed.map(|((symbol, slots), at)| PlacedSymbol::new(symbol, slots, shift(*at))).collect();
-        let nets = graph.nets.into_iter().zip(layout.routes);
-        self.nets = nets
-            .map(|(net, route)| Net {
-                from: net.from,
-                to: net.to.iter().map(|(node, input)| (*node, layout.slots[*node][*input])).collect(),
-                route: Route {
-                    lines: route.lines.iter().map(|line| line.map(shift)).collect(),
-                    dots: route.dots.into_iter().map(shift).collect(),
-                    arrows: route.arrows.into_iter().map(shift).collect(),
-                },
-            })
-            .collect();
+    /// Puts a diagram below what is there.
+    fn add(&mut self, circuit: &Circuit, show: Show<'_>, plan: Plan) {
+        let height = plan.size().1;
+        let Show::Inside(instance) = show else {
+            self.main = plan.placed((MARGIN, self.bottom));
+            self.bottom += height;
+            return;
+        };
+        let patch = circuit.patch();
+        let of = &patch.instances[instance].of;
+        let others = used(circuit)[of.as_str()][1..].join(", ");
+        let others = if others.is_empty() { others } else { format!("also: {others}") };
+        let notes = [patch.macros[of].note.as_str(), others.as_str()];
+        let heading = Heading::new(&format!("Macro {of}, as in {instance}"), &notes, self.width);
+        let at = (MARGIN, self.bottom + RULE + ABOVE);
+        let top = at.1 + heading.height();
+        let diagram = plan.placed((MARGIN, top));
+        self.macros.push(Opened { heading, of: of.clone(), instance: instance.to_owned(), diagram, at });
+        self.bottom = top + height;
     }
 
     /// The drawing of the schematic.
     pub fn drawing(&self) -> Drawing {
-        let inside = self.size.0;
         let mut marks = self.heading.draw((MARGIN, MARGIN));
-        self.nets.iter().for_each(|net| net.draw(&mut marks));
-        marks.extend(self.symbols.iter().flat_map(|symbol| symbol.marks.iter().cloned()));
-        let top = MARGIN + self.heading.height() + self.size.1 + 34.0;
-        let (listed, bottom) = lists::draw(&self.lists, (MARGIN, top), inside);
+        self.main.draw(&mut marks);
+        for opened in &self.macros {
+            marks.push(self.rule(opened.at.1 - ABOVE));
+            marks.extend(opened.heading.draw(opened.at));
+            opened.diagram.draw(&mut marks);
+        }
+        let rule = self.bottom + RULE;
+        let (listed, bottom) = lists::draw(&self.lists, (MARGIN, rule + ABOVE), self.width);
         if !listed.is_empty() {
-            let y = top - 20.0;
-            marks.push(Stroke::Line {
-                points: vec![(MARGIN, y), (MARGIN + inside, y)],
-                width: 1.0,
-                ink: Ink::Faint,
-            });
+            marks.push(self.rule(rule));
         }
         marks.extend(listed);
-        Drawing { width: inside + 2.0 * MARGIN, height: bottom + MARGIN / 2.0, marks }
+        Drawing { width: self.width + 2.0 * MARGIN, height: bottom + MARGIN / 2.0, marks }
+    }
+
+    /// A line across the sheet.
+    fn rule(&self, y: f64) -> Stroke {
+        Stroke::Line { points: vec![(MARGIN, y), (MARGIN + self.width, y)], width: 1.0, ink: Ink::Faint }
     }
 }
 
-impl PlacedSymbol {
-    fn new(mut symbol: Symbol, slots: &[usize], at: Point) -> PlacedSymbol {
-        let mut jacks = symbol.jacks.clone();
-        symbol.jacks.into_iter().zip(slots).for_each(|(jack, slot)| jacks[*slot] = jack);
-        symbol.jacks = jacks;
-        let art = shapes::draw(&symbol);
-        let shift = |place: Point| (place.0 + at.0, place.1 + at.1);
-        let area = art.area();
-        let area = Area {
-            left: area.left + at.0,
-            top: area.top + at.1,
-            right: area.right + at.0,
-            bottom: area.bottom + at.1,
-        };
-        PlacedSymbol {
-            symbol,
-            at,
-            area,
-            inputs: art.inputs.iter().copied().map(shift).collect(),
-            output: shift(art.output),
-            marks: art.marks.into_iter().map(|mark| mark.moved(at)).collect(),
-        }
+/// The macros that are used, with the names of their instances.
+fn used(circuit: &Circuit) -> IndexMap<&str, Vec<&str>> {
+    let mut used: IndexMap<&str, Vec<&str>> = IndexMap::new();
+    for (name, instance) in &circuit.patch().instances {
+        used.entry(&instance.of).or_default().push(name);
     }
-
-    /// The texts of the symbol.
-    pub fn labels(&self) -> impl Iterator<Item = &Label> {
-        self.marks.iter().filter_map(|mark| match mark {
-            Stroke::Text(label) => Some(label),
-            _ => None,
-        })
-    }
-}
-
-impl Net {
-    fn draw(&self, marks: &mut Vec<Stroke>) {
-        for line in &self.route.lines {
-            marks.push(Stroke::Line { points: line.to_vec(), width: CORD, ink: Ink::Wire });
-        }
-        for dot in &self.route.dots {
-            marks.push(Stroke::Disc { centre: *dot, radius: 3.0, ink: Ink::Wire });
-        }
-        for tip in &self.route.arrows {
-            let corners = vec![(tip.0 - 4.0, tip.1), (tip.0 + 4.0, tip.1 - 3.5), (tip.0 + 4.0, tip.1 + 3.5)];
-            marks.push(Stroke::Area { corners, ink: Ink::Wire });
-        }
-    }
-}
-
-/// What is laid out: boxes as large as their symbols.
-fn graph(symbols: &[Symbol]) -> Graph {
-    let nodes = symbols.iter().map(|symbol| node(symbol, shapes::draw(symbol))).collect();
-    let mut readers = vec![Vec::new(); symbols.len()];
-    for (index, symbol) in symbols.iter().enumerate() {
-        for (input, jack) in symbol.jacks.iter().enumerate() {
-            if let Source::Output(from) = jack.from {
-                readers[from].push((index, input));
-            }
-        }
-    }
-    let nets = readers.into_iter().enumerate().map(|(from, to)| Wire { from, to });
-    let is_start = |wanted: fn(&Symbol) -> bool| {
-        symbols.iter().enumerate().filter(move |(_, symbol)| wanted(symbol)).map(|(index, _)| index)
-    };
-    let drives = is_start(|symbol| symbol.shape.starts_with("drive-"));
-    let integrators = is_start(|symbol| symbol.shape == "integrator");
-    Graph {
-        nodes,
-        nets: nets.filter(|net| !net.to.is_empty()).collect(),
-        starts: drives.chain(integrators).collect(),
-    }
-}
-
-fn node(symbol: &Symbol, art: Art) -> Node {
-    let area = art.area();
-    Node {
-        area: Area {
-            left: area.left.floor(),
-            top: area.top.floor(),
-            right: area.right.ceil(),
-            bottom: area.bottom.ceil(),
-        },
-        inputs: art.inputs,
-        output: art.output,
-        free: shapes::exchangeable(symbol),
-        leans_right: symbol.shape == "potentiometer",
-    }
+    used
 }

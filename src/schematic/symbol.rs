@@ -1,12 +1,12 @@
 //! What is drawn of a circuit, before it has a place: symbols and what is plugged into them.
 
-/// An element or a drive as a drawing shows it.
+/// An element, a drive, an instance of a macro or a port of one, as a drawing shows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Symbol {
     /// Name of the element.
     pub name: String,
-    /// Its kind, such as "summer".
-    pub kind: &'static str,
+    /// Its kind, such as "summer", or the name of the macro.
+    pub kind: String,
     /// Name of its symbol, such as "amplifier".
     pub shape: &'static str,
     /// What is plugged into it, from the top down.
@@ -15,19 +15,30 @@ pub struct Symbol {
     pub settings: Vec<Setting>,
     /// Names of the machine's parts that it is made of, where the patch lists them.
     pub parts: Vec<String>,
-    /// Names of the signals that are read at its output.
-    pub signals: Vec<String>,
-    /// Voltage at its output, where voltages are drawn.
-    pub volts: Option<f64>,
+    /// Its outputs, from the top down: one, or the output ports of an instance.
+    pub outlets: Vec<Outlet>,
+    /// Names of the signals that are read inside it, where nothing comes out.
+    pub inside: Vec<String>,
     /// The patch's note on it.
     pub note: String,
+}
+
+/// An output of a symbol.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Outlet {
+    /// Name of the port; empty where there is one output only.
+    pub port: String,
+    /// Names of the signals that are read at it.
+    pub signals: Vec<String>,
+    /// Voltage at it, where voltages are drawn.
+    pub volts: Option<f64>,
 }
 
 /// A jack of a symbol with a cord in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Jack {
-    /// Name of the input, such as "x" or "bias_plus".
-    pub input: &'static str,
+    /// Name of the input, such as "x" or "bias_plus", or of the input port of an instance.
+    pub input: String,
     /// Its gain, where jacks of the input have gains.
     pub gain: Option<f64>,
     /// What is plugged in.
@@ -37,8 +48,8 @@ pub struct Jack {
 /// Where a cord comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
-    /// The output of another symbol, by its index.
-    Output(usize),
+    /// An output of a symbol, by the indices of the symbol and of the outlet.
+    Output(usize, usize),
     /// A reference, drawn where it is needed.
     Reference(&'static str),
 }
@@ -47,7 +58,7 @@ pub enum Source {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
     /// Its key in the document.
-    pub name: &'static str,
+    pub name: String,
     /// Its formula, where the patch gives one.
     pub formula: Option<String>,
     /// Its value.

@@ -30,7 +30,7 @@ fn voltages_are_those_of_the_instant() {
     let symbols = data["schematic"]["symbols"].as_array().unwrap();
     assert_eq!(symbols.len(), 27);
     let memory = symbols.iter().find(|symbol| symbol["name"] == "A1").unwrap();
-    assert_eq!(memory["volts"], 100.0);
+    assert_eq!(memory["outputs"][0]["volts"], 100.0);
 }
 
 #[test]
@@ -80,4 +80,25 @@ fn a_board_shows_no_voltages() {
     assert!(
         board["cords"].as_array().unwrap().iter().any(|cord| cord["from"] == "+100" && cord["to"] == "KS1")
     );
+}
+
+#[test]
+fn macros_are_boxes_or_opened() {
+    let rod = "patches/lessons/heat-rod.json";
+    let drawn = |options: &[&str]| {
+        json(&patchcord(&[&["draw", rod, "--json"], options].concat()))["schematic"].clone()
+    };
+    let names = |symbols: &serde_json::Value| -> Vec<String> {
+        symbols.as_array().unwrap().iter().map(|symbol| symbol["name"].as_str().unwrap().to_owned()).collect()
+    };
+    let closed = drawn(&["--values", "100"]);
+    assert_eq!(names(&closed["symbols"]), ["hot", "P0", "C1", "C2", "C3", "C4", "C5", "C6", "B7"]);
+    assert_eq!(closed["macros"][0]["name"], "cell");
+    assert_eq!(names(&closed["macros"][0]["symbols"]), ["left", "right", "A", "P", "flow", "u"]);
+    let u = &closed["symbols"][2]["outputs"][1];
+    assert_eq!((&u["port"], &u["signals"]), (&"u".into(), &serde_json::json!(["T1"])));
+    assert!(u["volts"].as_f64().unwrap() < -10.0);
+    let open = drawn(&["--open"]);
+    assert_eq!(names(&open["symbols"]).len(), 15);
+    assert_eq!(open["macros"], serde_json::json!([]));
 }

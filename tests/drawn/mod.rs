@@ -2,59 +2,87 @@
 
 #![allow(dead_code, reason = "every test binary takes what it needs")]
 
+mod boxes;
+
 use std::collections::BTreeSet;
 
 use patchcord::circuit::Circuit;
 use patchcord::plot::{Area, Label, Stroke};
-use patchcord::schematic::{Net, PlacedSymbol, Point, Schematic, Source};
+use patchcord::schematic::{Diagram, Net, PlacedSymbol, Point, Schematic, Source};
 
 /// The schematic of a circuit, with a voltage at every output.
 pub fn schematic(circuit: &Circuit) -> Schematic {
-    Schematic::new(circuit, String::new(), &|_| Some(-12.34)).unwrap_or_else(|error| panic!("{error}"))
+    Schematic::new(circuit, "", &|_| Some(-12.34)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The same with macros opened in their places.
+pub fn opened(circuit: &Circuit) -> Schematic {
+    Schematic::opened(circuit, "", &|_| Some(-12.34)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Draws a circuit and looks at everything that must hold; `what` is the name that failures give it.
 pub fn check(circuit: &Circuit, what: &str) {
-    let drawn = &schematic(circuit);
-    every_element_once(drawn, circuit, what);
-    every_cord_leads_from_output_to_jack(drawn, circuit, what);
-    no_cords_share_a_line(drawn, what);
-    no_cord_runs_through_a_symbol_or_a_text(drawn, what);
-    no_texts_overlap(drawn, what);
+    let drawn = schematic(circuit);
+    for drawn in [&drawn, &opened(circuit)] {
+        for diagram in std::iter::once(&drawn.main).chain(drawn.macros.iter().map(|opened| &opened.diagram)) {
+            check_diagram(diagram, what);
+        }
+        no_texts_overlap(drawn, what);
+    }
+    every_element_once(&opened(circuit).main, circuit, what);
+    boxes::check(&drawn, circuit, what);
+    if circuit.patch().instances.is_empty() {
+        assert_eq!(drawn, opened(circuit), "{what}");
+    }
 }
 
-fn every_element_once(drawn: &Schematic, circuit: &Circuit, what: &str) {
+fn check_diagram(drawn: &Diagram, what: &str) {
+    no_symbol_stands_on_another(drawn, what);
+    every_cord_leads_from_output_to_jack(drawn, what);
+    no_cords_share_a_line(drawn, what);
+    no_cord_runs_through_a_symbol_or_a_text(drawn, what);
+}
+
+fn every_element_once(drawn: &Diagram, circuit: &Circuit, what: &str) {
     let names: Vec<&str> = drawn.symbols.iter().map(|placed| placed.symbol.name.as_str()).collect();
     let patch = circuit.patch();
     let wanted: Vec<&str> = patch.drives.keys().chain(patch.elements.keys()).map(String::as_str).collect();
     assert_eq!(names, wanted, "{what}");
-    for (one, placed) in drawn.symbols.iter().enumerate() {
-        let apart = |other: &PlacedSymbol| !overlap(&placed.area, &other.area);
-        assert!(drawn.symbols[one + 1..].iter().all(apart), "{what}: {} stands on another", names[one]);
-        assert!(placed.symbol.jacks.len() <= placed.inputs.len(), "{what}: {}", names[one]);
-    }
-}
-
-/// Every cord of the circuit is in a net, whose lines hang together and end at the right places.
-fn every_cord_leads_from_output_to_jack(drawn: &Schematic, circuit: &Circuit, what: &str) {
     let jacks = drawn.symbols.iter().map(|placed| placed.symbol.jacks.len()).sum::<usize>();
     let cords: usize = (0..circuit.elements().len()).map(|element| circuit.cords(element).len()).sum();
     assert_eq!(jacks, cords, "{what}");
+}
+
+fn no_symbol_stands_on_another(drawn: &Diagram, what: &str) {
+    for (one, placed) in drawn.symbols.iter().enumerate() {
+        let apart = |other: &PlacedSymbol| !overlap(&placed.area, &other.area);
+        assert!(
+            drawn.symbols[one + 1..].iter().all(apart),
+            "{what}: {} stands on another",
+            placed.symbol.name
+        );
+        assert!(placed.symbol.jacks.len() <= placed.inputs.len(), "{what}: {}", placed.symbol.name);
+    }
+}
+
+/// Every cord is in a net, whose lines hang together and end at the right places.
+fn every_cord_leads_from_output_to_jack(drawn: &Diagram, what: &str) {
     let mut driven = BTreeSet::new();
     for net in &drawn.nets {
         let from = &drawn.symbols[net.from];
         let name = &from.symbol.name;
-        assert!(starts_to_the_right(net, from.output), "{what}: {name} leaves to the left");
+        assert!(starts_to_the_right(net, from.outputs[net.outlet]), "{what}: {name} leaves to the left");
         for (reader, jack) in &net.to {
             let reader_symbol = &drawn.symbols[*reader];
-            assert_eq!(reader_symbol.symbol.jacks[*jack].from, Source::Output(net.from), "{what}: {name}");
+            let wanted = Source::Output(net.from, net.outlet);
+            assert_eq!(reader_symbol.symbol.jacks[*jack].from, wanted, "{what}: {name}");
             assert!(arrives_from_the_left(net, reader_symbol.inputs[*jack]), "{what}: from {name}");
             assert!(driven.insert((*reader, *jack)), "{what}: two cords in one jack");
         }
         assert!(hangs_together(net), "{what}: the cord from {name} is torn");
     }
     let from_outputs = drawn.symbols.iter().flat_map(|placed| &placed.symbol.jacks);
-    let wanted = from_outputs.filter(|jack| matches!(jack.from, Source::Output(_))).count();
+    let wanted = from_outputs.filter(|jack| matches!(jack.from, Source::Output(..))).count();
     assert_eq!(driven.len(), wanted, "{what}");
 }
 
@@ -96,7 +124,7 @@ fn lies_on(at: Point, line: &[Point; 2]) -> bool {
 }
 
 /// Cords of different outputs cross at most; none ends on another or runs in it.
-fn no_cords_share_a_line(drawn: &Schematic, what: &str) {
+fn no_cords_share_a_line(drawn: &Diagram, what: &str) {
     for (index, one) in drawn.nets.iter().enumerate() {
         for other in &drawn.nets[index + 1..] {
             for (a, b) in one.route.lines.iter().flat_map(|a| other.route.lines.iter().map(move |b| (a, b))) {
@@ -107,7 +135,7 @@ fn no_cords_share_a_line(drawn: &Schematic, what: &str) {
     }
 }
 
-fn no_cord_runs_through_a_symbol_or_a_text(drawn: &Schematic, what: &str) {
+fn no_cord_runs_through_a_symbol_or_a_text(drawn: &Diagram, what: &str) {
     for net in &drawn.nets {
         let from = &drawn.symbols[net.from].symbol.name;
         for line in &net.route.lines {

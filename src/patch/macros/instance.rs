@@ -44,7 +44,7 @@ impl Written<'_> {
         pass_on(frame, made, &inner, feeds);
         let instance = &mut self.instances[flat];
         instance.members.clone_from(&members);
-        instance.inputs = inlets(&inside, of, inner);
+        instance.inputs = inlets(frame, &inside, made, of, inner);
         members
     }
 
@@ -182,18 +182,29 @@ impl Written<'_> {
 
 /// Where ports of the section drive ports of the instance, they feed what those feed.
 fn pass_on(frame: &Frame<'_>, made: &Use, inner: &Feeds, feeds: &mut Feeds) {
-    for (port, cords) in &made.cords {
-        let outer = cords.value.first().and_then(|cord| frame.port(&cord.value));
-        if let (Some(outer), Some(fed)) = (outer, inner.get(port)) {
+    for port in made.cords.keys() {
+        if let (Some(outer), Some(fed)) = (outer_port(frame, made, port), inner.get(port)) {
             feeds.entry(outer.to_owned()).or_default().extend(fed.iter().cloned());
         }
     }
 }
 
-fn inlets(inside: &Frame<'_>, of: &Macro, mut feeds: Feeds) -> IndexMap<String, Inlet> {
+/// The port of the section that is plugged into a port of the instance.
+fn outer_port<'f>(frame: &'f Frame<'_>, made: &'f Use, port: &str) -> Option<&'f str> {
+    made.cords.get(port)?.value.first().and_then(|cord| frame.port(&cord.value))
+}
+
+fn inlets(
+    frame: &Frame<'_>,
+    inside: &Frame<'_>,
+    made: &Use,
+    of: &Macro,
+    mut feeds: Feeds,
+) -> IndexMap<String, Inlet> {
     let inlet = |port: &String| {
         let driver = inside.drivers.get(port.as_str()).cloned().flatten();
-        (port.clone(), Inlet { driver, feeds: feeds.remove(port).unwrap_or_default() })
+        let outer = outer_port(frame, made, port).map(str::to_owned);
+        (port.clone(), Inlet { driver, port: outer, feeds: feeds.remove(port).unwrap_or_default() })
     };
     of.inputs.keys().map(inlet).collect()
 }

@@ -98,6 +98,8 @@ pub struct Instance {
 pub struct Inlet {
     /// The element, drive or reference that drives it; `None` where the patch is wrong.
     pub driver: Option<String>,
+    /// The input port of the instance around it that brings it, if one does.
+    pub port: Option<String>,
     /// The jacks of elements inside that it drives.
     pub feeds: Vec<Feed>,
 }

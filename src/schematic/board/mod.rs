@@ -11,6 +11,7 @@ use super::heading::{self, Heading};
 use super::layout::Point;
 use super::sheet::DrawError;
 use super::symbol::{Source, Symbol};
+use super::view::{Show, View};
 use crate::circuit::Circuit;
 use crate::plot::Drawing;
 
@@ -67,7 +68,7 @@ impl Board {
     /// # Errors
     /// When the circuit has more elements and drives than a sheet takes.
     pub fn new(circuit: &Circuit, note: &str) -> Result<Board, DrawError> {
-        let symbols = describe::symbols(circuit, &|_| None);
+        let symbols = describe::symbols(&View::new(circuit, Show::Elements), &|_| None);
         DrawError::check(symbols.len())?;
         let title = &circuit.patch().title;
         let machine = format!("{}; {ARRANGED}", circuit.machine().title);
@@ -117,7 +118,7 @@ fn cords(symbols: &[Symbol], laid: &panel::Laid) -> Vec<Cord> {
     for (reader, symbol) in symbols.iter().enumerate() {
         for (jack, plugged) in symbol.jacks.iter().enumerate() {
             let (from, module) = match plugged.from {
-                Source::Output(index) => (symbols[index].name.clone(), laid.module_of[index]),
+                Source::Output(index, _) => (symbols[index].name.clone(), laid.module_of[index]),
                 Source::Reference(name) => (name.to_owned(), laid.reference(name)),
             };
             let to = &laid.modules[laid.module_of[reader]];

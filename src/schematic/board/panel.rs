@@ -82,7 +82,7 @@ pub(super) fn lay(circuit: &Circuit, symbols: &[Symbol], corner: Point) -> Laid 
 fn readers(symbols: &[Symbol]) -> Vec<usize> {
     let mut readers = vec![0; symbols.len()];
     for jack in symbols.iter().flat_map(|symbol| &symbol.jacks) {
-        if let Source::Output(index) = jack.from {
+        if let Source::Output(index, _) = jack.from {
             readers[index] += 1;
         }
     }
@@ -164,7 +164,7 @@ fn main_module(symbol: &Symbol, index: usize, readers: usize) -> Wanted {
         None => jack.input.replace("bias_plus", "+VB").replace("bias_minus", "−VB"),
     };
     let note = ["setting", "initial", "limit.upper"].iter().find_map(|name| symbol.setting(name));
-    let note = note.map(|setting| match setting.name {
+    let note = note.map(|setting| match setting.name.as_str() {
         "initial" => format!("IC {}", setting.shown),
         "limit.upper" => format!("≤ {}", setting.shown),
         _ => setting.shown.clone(),

@@ -82,6 +82,9 @@ impl Sorter<'_> {
             (What::Node(node), Jack::Input(input)) => {
                 (self.slots[node][input] as f64 + 1.0) / (self.slots[node].len() as f64 + 1.0)
             }
+            (What::Node(node), Jack::Output(outlet)) => {
+                (outlet as f64 + 1.0) / (self.graph.nodes[node].outputs.len() as f64 + 1.0)
+            }
             _ => 0.5,
         };
         places[pin.item] + share

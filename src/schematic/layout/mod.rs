@@ -25,8 +25,8 @@ pub(crate) struct Node {
     pub area: Area,
     /// Where cords arrive.
     pub inputs: Vec<Point>,
-    /// Where its cord leaves.
-    pub output: Point,
+    /// Where cords leave, one net each.
+    pub outputs: Vec<Point>,
     /// So many of the inputs, the first ones, may be exchanged among each other.
     pub free: usize,
     /// Whether it stands before what it feeds rather than behind what feeds it.
@@ -38,6 +38,8 @@ pub(crate) struct Node {
 pub(crate) struct Net {
     /// The node that drives it.
     pub from: usize,
+    /// Which of the node's outputs it is.
+    pub outlet: usize,
     /// Node and input of every reader.
     pub to: Vec<(usize, usize)>,
 }
@@ -47,7 +49,7 @@ pub(crate) struct Net {
 pub(crate) struct Graph {
     /// The boxes.
     pub nodes: Vec<Node>,
-    /// Nets, at most one a node.
+    /// Nets, at most one an output.
     pub nets: Vec<Net>,
     /// Nodes at which reading begins, the first one first.
     pub starts: Vec<usize>,

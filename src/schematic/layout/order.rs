@@ -23,7 +23,7 @@ pub(super) fn ranks(graph: &Graph) -> Vec<usize> {
 pub(super) fn readers(graph: &Graph) -> Vec<Vec<usize>> {
     let mut readers = vec![Vec::new(); graph.nodes.len()];
     for net in &graph.nets {
-        readers[net.from] = net.to.iter().map(|(node, _)| *node).collect();
+        readers[net.from].extend(net.to.iter().map(|(node, _)| *node));
     }
     readers
 }

@@ -218,7 +218,8 @@ impl Pen<'_> {
         let What::Node(node) = self.sheet.rows[row].items[pin.item].what else { return middle };
         let jack = match pin.jack {
             Jack::Input(input) => self.graph.nodes[node].inputs[self.sheet.slots[node][input]],
-            _ => self.graph.nodes[node].output,
+            Jack::Output(outlet) => self.graph.nodes[node].outputs[outlet],
+            Jack::Through => return middle,
         };
         self.places[node].0 + jack.0
     }

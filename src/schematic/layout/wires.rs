@@ -59,7 +59,7 @@ pub(super) struct Pin {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Jack {
-    Output,
+    Output(usize),
     Input(usize),
     Through,
 }
@@ -87,7 +87,7 @@ impl Sheet {
     pub fn offset(&self, graph: &Graph, row: usize, pin: Pin) -> f64 {
         let What::Node(node) = self.rows[row].items[pin.item].what else { return 0.0 };
         match pin.jack {
-            Jack::Output => graph.nodes[node].output.1,
+            Jack::Output(outlet) => graph.nodes[node].outputs[outlet].1,
             Jack::Input(input) => graph.nodes[node].inputs[self.slots[node][input]].1,
             Jack::Through => 0.0,
         }
@@ -138,7 +138,7 @@ impl Weaver<'_> {
 
     fn weave(&mut self, index: usize, net: &Net) {
         let source = self.cells[net.from];
-        let from = Pin { item: self.item(source, What::Node(net.from)), jack: Jack::Output };
+        let from = Pin { item: self.item(source, What::Node(net.from)), jack: Jack::Output(net.outlet) };
         self.trunk(source.row, source.layer + 1, index).left = Some(from);
         let is_ahead = |cell: Cell| cell.row == source.row && cell.layer > source.layer;
         let ahead = net.to.iter().map(|(node, _)| self.cells[*node]).filter(|cell| is_ahead(*cell));

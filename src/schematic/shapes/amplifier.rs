@@ -19,7 +19,7 @@ fn height(jacks: usize) -> f64 {
 /// The triangle of an amplifier, its base at `left`.
 fn triangle(left: f64, jacks: usize) -> Art {
     let half = height(jacks) / 2.0;
-    let mut art = Art { output: (left + LENGTH, 0.0), ..Art::default() };
+    let mut art = Art { outputs: vec![(left + LENGTH, 0.0)], ..Art::default() };
     art.body(&[(left, -half), (left + LENGTH, 0.0), (left, half)]);
     art.inputs = jack_heights(jacks).map(|y| (left, y)).collect();
     art
@@ -77,7 +77,7 @@ pub(super) fn lag(symbol: &Symbol) -> Art {
 fn name_in_triangle(art: &mut Art, symbol: &Symbol, left: f64) {
     let width = text_width(&symbol.name, NAME);
     let half = height(symbol.jacks.len()) / 2.0;
-    let last = art.output.0 - 0.42 * NAME * LENGTH / half;
+    let last = art.outputs[0].0 - 0.42 * NAME * LENGTH / half;
     if left + width <= last {
         art.text(&symbol.name, (left, HALF_LETTER * NAME), NAME, Align::Start, Ink::Line);
     } else {

@@ -26,7 +26,7 @@ pub(super) const HALF_LETTER: f64 = 0.36;
 pub(in crate::schematic) struct Art {
     pub marks: Vec<Stroke>,
     pub inputs: Vec<(f64, f64)>,
-    pub output: (f64, f64),
+    pub outputs: Vec<(f64, f64)>,
 }
 
 impl Art {

@@ -10,7 +10,7 @@ const BIAS: f64 = 30.0;
 
 /// Two tracks between signal and biases, a diode from each wiper to the output (Fig 8.5 (c) of the thesis).
 pub(super) fn dead_zone(symbol: &Symbol) -> Art {
-    let mut art = Art { output: (HALF.0, 0.0), ..Art::default() };
+    let mut art = Art { outputs: vec![(HALF.0, 0.0)], ..Art::default() };
     art.rectangle((-HALF.0, -HALF.1), HALF);
     // The jacks in the order of the kind: in, bias_plus, bias_minus.
     art.inputs = [0.0, BIAS, -BIAS].map(|y| (-HALF.0, y)).to_vec();
@@ -18,7 +18,7 @@ pub(super) fn dead_zone(symbol: &Symbol) -> Art {
     for side in [-1.0, 1.0] {
         half_dead_zone(&mut art, side);
     }
-    art.line(&[(38.0, 0.0), art.output]);
+    art.line(&[(38.0, 0.0), art.outputs[0]]);
     art.text("+VB", (-46.0, BIAS - 3.0), SMALL, Align::Start, Ink::Soft);
     art.text("−VB", (-46.0, -BIAS + 10.0), SMALL, Align::Start, Ink::Soft);
     art.above(&symbol.name, NAME, Ink::Line);
@@ -49,11 +49,11 @@ pub(super) fn upper_of(symbol: &Symbol) -> Art {
 }
 
 fn pair(symbol: &Symbol, what: &str, way: (f64, f64)) -> Art {
-    let mut art = Art { output: (26.0, 0.0), ..Art::default() };
+    let mut art = Art { outputs: vec![(26.0, 0.0)], ..Art::default() };
     art.rectangle((-26.0, -20.0), (26.0, 20.0));
     art.inputs = jack_heights(symbol.jacks.len()).map(|y| (-26.0, y)).collect();
     for at in art.inputs.clone() {
-        art.line(&[at, (10.0, at.1), (10.0, 0.0), art.output]);
+        art.line(&[at, (10.0, at.1), (10.0, 0.0), art.outputs[0]]);
         art.diode((-6.0, at.1), way);
     }
     art.disc((10.0, 0.0), 2.0);

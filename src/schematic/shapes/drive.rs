@@ -9,7 +9,7 @@ const RADIUS: f64 = 18.0;
 const ROOM: f64 = 11.0;
 
 fn source(symbol: &Symbol, paint: impl FnOnce(&mut Art)) -> Art {
-    let mut art = Art { output: (RADIUS, 0.0), ..Art::default() };
+    let mut art = Art { outputs: vec![(RADIUS, 0.0)], ..Art::default() };
     art.circle((0.0, 0.0), RADIUS);
     paint(&mut art);
     art.above(&symbol.name, NAME, Ink::Line);

@@ -6,7 +6,7 @@ use crate::schematic::symbol::digits;
 
 /// A square with jacks at its left.
 pub(super) fn square(symbol: &Symbol, half: f64) -> Art {
-    let mut art = Art { output: (half, 0.0), ..Art::default() };
+    let mut art = Art { outputs: vec![(half, 0.0)], ..Art::default() };
     art.rectangle((-half, -half), (half, half));
     art.inputs = jack_heights(symbol.jacks.len()).map(|y| (-half, y)).collect();
     art
@@ -15,7 +15,7 @@ pub(super) fn square(symbol: &Symbol, half: f64) -> Art {
 pub(super) fn multiplier(symbol: &Symbol) -> Art {
     let mut art = square(symbol, 25.0);
     for (jack, at) in symbol.jacks.iter().zip(art.inputs.clone()) {
-        art.text(jack.input, (at.0 + 4.0, at.1 + HALF_LETTER * SMALL), SMALL, Align::Start, Ink::Soft);
+        art.text(&jack.input, (at.0 + 4.0, at.1 + HALF_LETTER * SMALL), SMALL, Align::Start, Ink::Soft);
     }
     let (sign, law) = match symbol.word("mode") {
         "sum-of-squares" => ("Σ²", "(a² + b²)/100"),
@@ -111,7 +111,7 @@ pub(super) fn exp(symbol: &Symbol) -> Art {
 
 /// A box with round ends.
 pub(super) fn delay(symbol: &Symbol) -> Art {
-    let mut art = Art { inputs: vec![(-30.0, 0.0)], output: (30.0, 0.0), ..Art::default() };
+    let mut art = Art { inputs: vec![(-30.0, 0.0)], outputs: vec![(30.0, 0.0)], ..Art::default() };
     let arc = |sign: f64| {
         (0..=12).map(move |step| {
             let angle = std::f64::consts::PI * (f64::from(step) / 12.0 - 0.5);

@@ -6,6 +6,7 @@ mod diodes;
 mod drive;
 mod function;
 mod network;
+mod ports;
 mod switching;
 
 use super::symbol::{Source, Symbol};
@@ -40,6 +41,9 @@ pub(super) static SHAPES: &[(&str, Draw)] = &[
     ("relay", switching::relay),
     ("switch", switching::key),
     ("delay", function::delay),
+    ("macro", ports::instance),
+    ("port-in", ports::inlet),
+    ("port-out", ports::outlet),
     ("drive-step", drive::step),
     ("drive-ramp", drive::ramp),
     ("drive-triangle", drive::triangle),
@@ -75,7 +79,7 @@ fn references(symbol: &Symbol, art: &mut Art) {
         match jack.from {
             Source::Reference("ground") => ground(at, art),
             Source::Reference(name) => flag(name, at, art),
-            Source::Output(_) => (),
+            Source::Output(..) => (),
         }
     }
 }
@@ -113,22 +117,24 @@ fn ground(at: (f64, f64), art: &mut Art) {
     }
 }
 
-/// Names of signals above the cord that leaves, the voltage below it.
+/// Names of signals above the cords that leave, voltages below them.
 fn readings(symbol: &Symbol, art: &mut Art) {
-    let (x, y) = art.output;
-    let names = symbol.signals.join(", ");
-    let volts = symbol.volts.map(voltage).unwrap_or_default();
-    let width = text_width(&names, PRINT).max(text_width(&volts, PRINT));
-    if width == 0.0 {
-        return;
-    }
-    for (text, y, ink) in [(names, y - 4.0, Ink::Signal), (volts, y + 11.0, Ink::Voltage)] {
-        if !text.is_empty() {
-            art.text(&text, (x + READING_GAP, y), PRINT, Align::Start, ink);
+    for (index, outlet) in symbol.outlets.iter().enumerate() {
+        let (x, y) = art.outputs[index];
+        let names = outlet.signals.join(", ");
+        let volts = outlet.volts.map(voltage).unwrap_or_default();
+        let width = text_width(&names, PRINT).max(text_width(&volts, PRINT));
+        if width == 0.0 {
+            continue;
         }
+        for (text, y, ink) in [(names, y - 4.0, Ink::Signal), (volts, y + 11.0, Ink::Voltage)] {
+            if !text.is_empty() {
+                art.text(&text, (x + READING_GAP, y), PRINT, Align::Start, ink);
+            }
+        }
+        art.outputs[index] = ((x + READING_GAP + width).ceil(), y);
+        art.cord(&[(x, y), art.outputs[index]]);
     }
-    art.output = ((x + READING_GAP + width).ceil(), y);
-    art.cord(&[(x, y), art.output]);
 }
 
 /// A voltage as a voltmeter shows it.

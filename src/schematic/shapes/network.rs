@@ -16,7 +16,7 @@ pub(super) fn potentiometer(symbol: &Symbol) -> Art {
 }
 
 fn circle(symbol: &Symbol) -> Art {
-    let mut art = Art { inputs: vec![(-RADIUS, 0.0)], output: (RADIUS, 0.0), ..Art::default() };
+    let mut art = Art { inputs: vec![(-RADIUS, 0.0)], outputs: vec![(RADIUS, 0.0)], ..Art::default() };
     art.circle((0.0, 0.0), RADIUS);
     art.name(&symbol.name, (0.0, 0.0), 2.0 * RADIUS - 5.0);
     art
@@ -44,14 +44,14 @@ pub(super) fn setting_below(art: &mut Art, symbol: &Symbol, name: &str) {
 /// A box with the names of its jacks, and its name.
 pub(super) fn plain_box(symbol: &Symbol) -> Art {
     let (half_width, half_height) = (38.0, (8.0 * symbol.jacks.len() as f64 + 6.0).max(22.0));
-    let mut art = Art { output: (half_width, 0.0), ..Art::default() };
+    let mut art = Art { outputs: vec![(half_width, 0.0)], ..Art::default() };
     art.rectangle((-half_width, -half_height), (half_width, half_height));
     art.inputs = jack_heights(symbol.jacks.len()).map(|y| (-half_width, y)).collect();
     for (jack, at) in symbol.jacks.iter().zip(art.inputs.clone()) {
         let place = (at.0 + 4.0, at.1 + HALF_LETTER * SMALL);
-        art.text(jack.input, place, SMALL, Align::Start, Ink::Soft);
+        art.text(&jack.input, place, SMALL, Align::Start, Ink::Soft);
     }
     art.above(&symbol.name, NAME, Ink::Line);
-    art.below(symbol.kind, SMALL, Ink::Soft);
+    art.below(&symbol.kind, SMALL, Ink::Soft);
     art
 }

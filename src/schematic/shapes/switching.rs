@@ -7,7 +7,7 @@ use super::{Align, Ink, Symbol};
 pub(super) fn relay(symbol: &Symbol) -> Art {
     let is_compared = symbol.jacks.len() > 3;
     let bottom = if is_compared { 46.0 } else { 34.0 };
-    let mut art = Art { output: (34.0, -12.0), ..Art::default() };
+    let mut art = Art { outputs: vec![(34.0, -12.0)], ..Art::default() };
     art.rectangle((-34.0, -34.0), (34.0, bottom));
     // The jacks in the order of the kind: in, on, off, against.
     art.inputs =
@@ -39,14 +39,15 @@ fn contact(art: &mut Art, closed: bool) {
     let (on, off, pivot) = ((-8.0, -22.0), (-8.0, -2.0), (20.0, -12.0));
     art.line(&[(-34.0, -22.0), on]);
     art.line(&[(-34.0, -2.0), off]);
-    art.line(&[pivot, art.output]);
+    art.line(&[pivot, art.outputs[0]]);
     art.bold(&[pivot, if closed { on } else { off }]);
     [on, off, pivot].into_iter().for_each(|at| art.disc(at, 2.2));
 }
 
 /// An amplifier behind a switch that its control opens and closes.
 pub(super) fn track_hold(symbol: &Symbol) -> Art {
-    let mut art = Art { inputs: vec![(-52.0, 0.0), (-52.0, 22.0)], output: (44.0, 0.0), ..Art::default() };
+    let mut art =
+        Art { inputs: vec![(-52.0, 0.0), (-52.0, 22.0)], outputs: vec![(44.0, 0.0)], ..Art::default() };
     art.rectangle((-52.0, -30.0), (-6.0, 30.0));
     art.body(&[(-6.0, -30.0), (44.0, 0.0), (-6.0, 30.0)]);
     art.line(&[(-52.0, 0.0), (-38.0, 0.0)]);
@@ -68,7 +69,7 @@ pub(super) fn track_hold(symbol: &Symbol) -> Art {
 
 /// A hand switch, open or closed.
 pub(super) fn key(symbol: &Symbol) -> Art {
-    let mut art = Art { inputs: vec![(-24.0, 0.0)], output: (24.0, 0.0), ..Art::default() };
+    let mut art = Art { inputs: vec![(-24.0, 0.0)], outputs: vec![(24.0, 0.0)], ..Art::default() };
     let tip = if symbol.flag("closed") { (12.0, -1.0) } else { (10.0, -11.0) };
     art.line(&[(-24.0, 0.0), (-12.0, 0.0)]);
     art.line(&[(12.0, 0.0), (24.0, 0.0)]);
