@@ -6,6 +6,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::{patch, program, ran, slideway};
+use patchcord::patch::Patch;
 use patchcord::program::Program;
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
@@ -32,6 +33,10 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static COUNTING: Counting = Counting;
 
+fn lesson(stem: &str) -> Patch {
+    Patch::read(format!("patches/lessons/{stem}.json").as_ref()).unwrap()
+}
+
 /// Allocations of so many steps, after a step to warm up.
 fn allocations(program: &Program, step: f64, steps: usize) -> usize {
     let mut machine = ran(program, step, step);
@@ -52,6 +57,7 @@ fn steps_allocate_nothing() {
         ("relay-oscillator", program(&patch("relay-oscillator"), &[]), 1e-2),
         ("integrator-limit", program(&patch("integrator-limit"), &[]), 1e-2),
         ("memory", program(&patch("memory"), &[]), 1e-3),
+        ("square-root-and-division", program(&lesson("square-root-and-division"), &[]), 1e-3),
     ];
     for (name, program, step) in &cases {
         let (thousand, two_thousand, many) = (

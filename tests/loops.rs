@@ -151,6 +151,70 @@ proptest! {
     }
 }
 
+/// E = (20 V - F / 10) / 2 nearly, and F divides by E - 50 V: that has one solution where E is below 50 V only.
+fn divider_in_a_loop(first: &str) -> PatchBuilder {
+    let entries = [
+        ("E", element("open-amplifier").cords("x1", ["E", "PU"]).cords("x0.1", ["F"])),
+        ("F", element("open-amplifier").cords("x1", ["PM", "M2"])),
+    ];
+    let order = if first == "E" { [0, 1] } else { [1, 0] };
+    let builder = volts("divider")
+        .element("PU", element("pot").cord("in", "-100").set("setting", 0.2))
+        .element("P50", element("pot").cord("in", "+100").set("setting", 0.5))
+        .element("PM", element("pot").cord("in", "+100").set("setting", 0.1))
+        .element("S1", element("summer").cords("x1", ["E", "P50"]))
+        .element("S2", element("inverter").cord("in", "S1"))
+        .element("M2", element("multiplier").set("mode", "product").cord("a", "F").cord("b", "S2"));
+    order.iter().fold(builder, |builder, index| {
+        let (name, entry) = entries[*index].clone();
+        builder.element(name, entry)
+    })
+}
+
+#[test]
+fn an_inner_loop_with_several_solutions_elsewhere_does_not_spoil_the_outer() {
+    // E + F / 10 = 20 V, F (E + 50 V) = -1000 V2: E^2 + 30 E - 1100 = 0 in V.
+    let expected = -15.0 + (225.0f64 + 1100.0).sqrt();
+    for first in ["E", "F"] {
+        let found = solved(divider_in_a_loop(first), "E");
+        assert!((found - expected).abs() < 1e-3, "{first}: {found} {expected}");
+    }
+}
+
+proptest! {
+    #![proptest_config(common::random_cases(32))]
+
+    #[test]
+    fn an_exponential_fed_back_with_any_gain_gives_the_logarithm(
+        x in 1e-4..90.0f64, decades in 3.0..9.0f64, gain in 1..100u32,
+    ) {
+        // 10^(out / 12 V) uV = x.
+        let jack = format!("x{gain}");
+        let exponential = element("exp").cord("in", "OA").set("reference", 1e-6).set("per_decade", 12);
+        let amplifier = element("open-amplifier").cords(&jack, ["u", "X"]);
+        let amplification = 10f64.powf(decades).round();
+        let builder = source(volts("logarithm"), "u", -x)
+            .element("X", exponential)
+            .element("OA", amplifier.set("amplification", amplification));
+        let expected = 12.0 * (x * 1e6).log10();
+        let found = solved(builder, "OA");
+        // What the amplification leaves at the sum, by the slope of the exponential.
+        let left = 100.0 / (amplification * f64::from(gain)) * 12.0 / (x * 10f64.ln());
+        prop_assert!((found - expected).abs() < 1e-9 + 1.1 * left, "{found} {expected} {left}");
+    }
+}
+
+#[test]
+fn a_curved_loop_that_follows_itself_is_told_as_such() {
+    let builder = volts("follower")
+        .element("L", element("log").cord("in", "S"))
+        .element("X", element("exp").cord("in", "L"))
+        .element("N", element("inverter").cord("in", "X"))
+        .element("S", element("inverter").cord("in", "N"));
+    let report = Program::new(&circuit(&builder.build().unwrap(), &[])).unwrap_err().to_string();
+    assert!(report.contains("a whole range of solutions"), "{report}");
+}
+
 #[test]
 fn the_root_of_a_negative_number_overloads() {
     let program = built(root_of(-20.0, 1e6));

@@ -2,7 +2,7 @@
 //! cannot hold one.
 
 use super::Program;
-use super::loops::{APART, Found, Solutions, moved};
+use super::loops::{APART, Found, LoopFault, Solutions, moved};
 use super::number::Number;
 use super::op::{Op, Sources};
 use super::range::Range;
@@ -16,21 +16,22 @@ const FINEST: f64 = 1e-7;
 const ROUNDING: f64 = 1e-9;
 /// The tear follows a stretch inside a wider loop this much more finely than that loop's own stretch.
 const FINER: f64 = 1.0 / 8.0;
-/// A change of sign over less than this, in volts, is a solution, and over more a jump: an amplifier of
-/// gain 1e9 makes 1e-5 V of the rounding of its input.
-const MET: f64 = 1e-3;
+/// Where the looks are used up by a stretch wider than this, in volts, all of it solves the loop.
+const WIDE: f64 = 1e-3;
 
-/// The tears that close a loop.
+/// The tear that closes a loop.
+///
+/// # Errors
+/// When there is not exactly one, of this loop or of one inside it.
 pub(super) fn search(
     program: &Program,
     index: usize,
     from: &Sources<'_, f64>,
     registers: &[f64],
     ranges: &mut [Range],
-) -> Solutions {
+) -> Result<f64, LoopFault> {
     let origin = program.loops[index].tear.index();
-    let mut search = Search { program, from, registers, origin, ranges, looks: 0 };
-    search.solutions(index).map_or_else(|fault| fault, Found::solutions)
+    Search { program, from, registers, origin, ranges, looks: 0 }.only_solution(index)
 }
 
 struct Search<'a> {
@@ -52,10 +53,19 @@ struct Suspects {
 }
 
 impl Search<'_> {
-    fn solutions(&mut self, index: usize) -> Result<Found, Solutions> {
+    fn only_solution(&mut self, index: usize) -> Result<f64, LoopFault> {
+        self.solutions(index)?.only().map_err(|solutions| LoopFault { index, solutions })
+    }
+
+    fn solutions(&mut self, index: usize) -> Result<Found, LoopFault> {
         let mut suspects = Suspects::default();
-        self.narrow(index, WHOLE, FINEST, &mut |search, stretch| {
+        let narrowed = self.narrow(index, WHOLE, FINEST, &mut |search, stretch| {
             search.suspect(index, stretch, &mut suspects)
+        });
+        let is_wide = suspects.last.is_some_and(|last| last.width() > WIDE);
+        narrowed.map_err(|fault| match fault.solutions {
+            Solutions::TooManyPieces if is_wide => LoopFault { index, solutions: Solutions::Range },
+            _ => fault,
         })?;
         if let Some(last) = suspects.last {
             self.cross(index, last, &mut suspects.found)?;
@@ -69,8 +79,8 @@ impl Search<'_> {
         index: usize,
         tear: Range,
         finest: f64,
-        keep: &mut dyn FnMut(&mut Self, Range) -> Result<(), Solutions>,
-    ) -> Result<(), Solutions> {
+        keep: &mut dyn FnMut(&mut Self, Range) -> Result<(), LoopFault>,
+    ) -> Result<(), LoopFault> {
         let result = self.follow(index, tear)?;
         let stretch = Range::new(tear.low.max(result.low - ROUNDING), tear.high.min(result.high + ROUNDING));
         if stretch.low > stretch.high {
@@ -84,7 +94,7 @@ impl Search<'_> {
         self.narrow(index, Range::new(middle, stretch.high), finest, keep)
     }
 
-    fn suspect(&mut self, index: usize, stretch: Range, suspects: &mut Suspects) -> Result<(), Solutions> {
+    fn suspect(&mut self, index: usize, stretch: Range, suspects: &mut Suspects) -> Result<(), LoopFault> {
         match &mut suspects.last {
             Some(last) if stretch.low - last.high <= APART => *last = last.hull(stretch),
             last => {
@@ -96,8 +106,9 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Halves a stretch down to the place where the loop's result crosses the tear, if it does.
-    fn cross(&mut self, index: usize, stretch: Range, found: &mut Found) -> Result<(), Solutions> {
+    /// Halves a stretch down to the place where the loop's result crosses the tear, if it does. Nothing jumps
+    /// within a loop, as modes stand still: a change of sign is a solution, however steep.
+    fn cross(&mut self, index: usize, stretch: Range, found: &mut Found) -> Result<(), LoopFault> {
         let (mut low, mut high) =
             ((stretch.low - APART).max(WHOLE.low), (stretch.high + APART).min(WHOLE.high));
         let (mut above, mut below) = (self.excess(index, low)?, self.excess(index, high)?);
@@ -116,24 +127,22 @@ impl Search<'_> {
                 (high, below) = (middle, excess)
             }
         }
-        let (tear, miss) = if above.abs() < below.abs() { (low, above) } else { (high, below) };
-        if miss.abs() <= MET {
-            found.add(tear);
-        }
+        found.add(if above.abs() < below.abs() { low } else { high });
         Ok(())
     }
 
     /// How far the loop's result lies above a tear.
-    fn excess(&mut self, index: usize, tear: f64) -> Result<f64, Solutions> {
+    fn excess(&mut self, index: usize, tear: f64) -> Result<f64, LoopFault> {
         let excess = self.follow(index, Range::constant(tear))?.low - tear;
-        if excess.is_nan() { Err(Solutions::NotANumber) } else { Ok(excess) }
+        let solutions = Solutions::NotANumber;
+        if excess.is_nan() { Err(LoopFault { index, solutions }) } else { Ok(excess) }
     }
 
     /// The loop's result for a stretch of its tear.
-    fn follow(&mut self, index: usize, tear: Range) -> Result<Range, Solutions> {
+    fn follow(&mut self, index: usize, tear: Range) -> Result<Range, LoopFault> {
         self.looks += 1;
         if self.looks > MOST_LOOKS {
-            return Err(Solutions::TooManyPieces);
+            return Err(LoopFault { index, solutions: Solutions::TooManyPieces });
         }
         let program = self.program;
         let entry = &program.loops[index];
@@ -152,16 +161,16 @@ impl Search<'_> {
     }
 
     /// Everything that the tear of a loop inside this one may be while this one's tear lies in a stretch.
-    fn inner_tear(&mut self, index: usize, width: f64) -> Result<Range, Solutions> {
+    fn inner_tear(&mut self, index: usize, width: f64) -> Result<Range, LoopFault> {
         if width == 0.0 {
-            return self.solutions(index)?.only().map(Range::constant);
+            return self.only_solution(index).map(Range::constant);
         }
         let mut all: Option<Range> = None;
         self.narrow(index, WHOLE, FINEST.max(width * FINER), &mut |_, stretch| {
             all = Some(all.map_or(stretch, |all| all.hull(stretch)));
             Ok(())
         })?;
-        all.ok_or_else(|| Found::default().solutions())
+        all.ok_or_else(|| LoopFault { index, solutions: Found::default().solutions() })
     }
 }
 

@@ -32,7 +32,8 @@ pub(crate) enum Solutions {
 
 /// Why a walk ends early.
 enum Obstacle {
-    /// An element of the loop is not made of straight pieces.
+    /// An element of the loop is not made of straight pieces, or a loop inside it has not one solution all
+    /// along this one's tear.
     Curve,
     Fault(Solutions),
 }
@@ -55,16 +56,15 @@ pub(super) fn solve_tear(
     scratch: &mut Scratch,
 ) -> f64 {
     let mut walker = Walker::new(program, index, from, registers, &mut scratch.pieces);
-    let solutions = match walker.walk(index, walker.origin) {
-        Ok(found) => found.solutions(),
-        Err(Obstacle::Fault(solutions)) => solutions,
+    let found = match walker.walk(index, walker.origin) {
+        Ok(found) => found.only().map_err(|solutions| LoopFault { index, solutions }),
+        Err(Obstacle::Fault(solutions)) => Err(LoopFault { index, solutions }),
         Err(Obstacle::Curve) => curved::search(program, index, from, registers, &mut scratch.ranges),
     };
-    if let Solutions::Counted { count: 1, first } = solutions {
-        return first[0];
-    }
-    scratch.faults.push(LoopFault { index, solutions });
-    f64::NAN
+    found.unwrap_or_else(|fault| {
+        scratch.faults.push(fault);
+        f64::NAN
+    })
 }
 
 /// A tear that moves to the right.
@@ -149,7 +149,8 @@ impl<'a> Walker<'a> {
     /// The tear of a loop inside this one, and how it moves with the outer: dy = dF / (1 - dF/dy).
     fn inner_tear(&mut self, index: usize, frozen: usize) -> Result<Piece, Obstacle> {
         let own = self.program.loops[index].tear.index();
-        let solution = self.walk(index, own)?.only().map_err(Obstacle::Fault)?;
+        let inner = self.walk(index, own).ok().and_then(|found| found.only().ok());
+        let solution = inner.ok_or(Obstacle::Curve)?;
         let by_itself = self.follow(index, moving(solution), own)?.slope;
         let by_the_outer = self.follow(index, Piece::constant(solution), frozen)?.slope;
         Ok(Piece { slope: by_the_outer / (1.0 - by_itself), ..Piece::constant(solution) })
