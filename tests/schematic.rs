@@ -121,6 +121,54 @@ fn ports_that_are_easily_mistaken_are_told_apart() {
     check(&circuit, "ports");
 }
 
+#[test]
+fn settings_without_a_place_at_the_symbol_are_listed() {
+    let kinds = [
+        element("integrator")
+            .cords("x1", ["+100"])
+            .cords("gap", ["E7"])
+            .set("restitution", 0.75)
+            .set("rest", 0.125)
+            .set("limit", json!({"upper": 40, "drop": 0.625})),
+        element("function-generator")
+            .cord("in", "+100")
+            .set("symmetry", "odd")
+            .set("points", json!([[0, 0], [12, 34], [56, 78]])),
+        element("delay").cord("in", "+100").set("delay", 0.25).set("initial", 17),
+        element("relay")
+            .cord("in", "+100")
+            .cord("on", "+100")
+            .cord("off", "-100")
+            .set("pull_in", 2)
+            .set("drop_out", 1)
+            .set("closed", true),
+        element("key-switch").cord("in", "+100").set("closed", false),
+        element("track-hold").cord("in", "+100").cord("track", "+100").set("initial", 5).set("threshold", 3),
+        element("multiplier").cord("a", "+100").cord("b", "+100").set("mode", "product"),
+        element("dead-zone").cord("in", "+100").set("lower", -7).set("upper", 9),
+        element("backlash").cord("in", "+100").set("width", 6),
+    ];
+    let named = kinds.into_iter().enumerate().map(|(index, kind)| (format!("E{index}"), kind));
+    let builder = PatchBuilder::new("settings").machine("unlimited").run(1.0, 1e-3);
+    let patch = named.fold(builder, |builder, (name, kind)| builder.element(&name, kind)).build();
+    let circuit = common::circuit(&patch.unwrap_or_else(|report| panic!("{report}")), &[]);
+    check(&circuit, "settings");
+    let drawn = schematic(&circuit);
+    let rows = drawn.lists.iter().flat_map(|list| &list.rows);
+    let rows: Vec<_> = rows.map(|row| (row.name.as_str(), row.value.as_str(), row.text.as_str())).collect();
+    for row in [
+        ("E0 restitution", "0.75", ""),
+        ("E0 rest", "0.125 V", ""),
+        ("E0 limit.drop", "0.625 V", ""),
+        ("E1 symmetry", "odd", ""),
+        ("E1 points", "", "(0, 0) (12, 34) (56, 78)"),
+        ("E2 initial", "17 V", ""),
+        ("E3", "closed", ""),
+    ] {
+        assert!(rows.contains(&row), "{row:?} among {rows:?}");
+    }
+}
+
 /// Integrators, summers and pots; cords that go back lead into integrators only.
 fn random_patch(kinds: &[u8], cords: &[(u16, u16)]) -> Patch {
     let count = kinds.len();

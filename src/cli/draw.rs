@@ -8,10 +8,13 @@ use serde_json::{Value, json};
 use super::failure::Failure;
 use super::files::{check_apart, named_like, prepare, put, written};
 use super::load::{Loaded, PatchArguments, parameter_line, parameters_json, problem_check};
+use super::progress::Progress;
 use super::{say, say_json};
+use patchcord::circuit::Circuit;
+use patchcord::patch::{Placed, RunPlan, Span};
 use patchcord::plot::{Drawing, Format, Theme, render_drawing};
 use patchcord::schematic::{Board, DrawError, Schematic};
-use patchcord::solve::Machine;
+use patchcord::solve::{self, Machine, MachineMode, RunError, RunSettings};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -23,7 +26,7 @@ pub(super) struct Arguments {
     /// Draw into this folder, as SVG under the patch's name
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write the voltages at the outputs: those of the problem check, or after so many problem seconds of run
+    /// Write the voltages at the outputs: those of the problem check, or after so many problem seconds (not for runs with phases)
     #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "0", allow_negative_numbers = true, value_parser = instant)]
     values: Option<f64>,
     /// Draw the patch panel of the machine with its cords instead
@@ -95,27 +98,67 @@ impl Arguments {
     }
 
     fn schematic(&self, loaded: &Loaded) -> Result<Schematic, Failure> {
-        let Loaded { circuit, program } = loaded;
-        let mut note = parameter_line(circuit);
-        let machine = match self.values {
-            None => None,
-            Some(seconds) => {
-                let mut machine = problem_check(circuit, program)?;
-                machine.operate(seconds)?;
-                let at =
-                    if seconds > 0.0 { format!("t = {seconds} s") } else { "initial condition".to_owned() };
-                note = if note.is_empty() {
-                    format!("voltages at {at}")
-                } else {
-                    format!("{note}; voltages at {at}")
-                };
-                Some(machine)
-            }
-        };
+        let machine = self.values.map(|seconds| machine_at(loaded, seconds)).transpose()?;
+        let told = machine.as_ref().zip(self.values).map(|(machine, seconds)| instant_told(machine, seconds));
+        let notes = [parameter_line(&loaded.circuit), told.unwrap_or_default()];
+        let notes: Vec<_> = notes.into_iter().filter(|note| !note.is_empty()).collect();
         let volts =
             |name: &str| machine.as_ref().and_then(|machine: &Machine<'_>| machine.voltage(name).ok());
         let schematic = if self.open { Schematic::opened } else { Schematic::new };
-        schematic(circuit, &note, &volts).map_err(too_many)
+        schematic(&loaded.circuit, &notes.join("; "), &volts).map_err(too_many)
+    }
+}
+
+/// The machine in initial condition, or after so many problem seconds of one run.
+fn machine_at(loaded: &Loaded, seconds: f64) -> Result<Machine<'_>, Failure> {
+    let Loaded { circuit, program } = loaded;
+    if seconds == 0.0 {
+        return Ok(problem_check(circuit, program)?);
+    }
+    let settings = run_until(circuit.run_plan(), seconds, circuit)?;
+    let mut progress = Progress::new(settings.whole());
+    let machine = solve::machine_after(program, &settings, &mut |time| {
+        if let Some(progress) = &mut progress {
+            progress.step(time);
+        }
+    });
+    machine.map_err(|error| refused(&error))
+}
+
+/// One initial condition and so many seconds; nothing is recorded.
+fn run_until(plan: &RunPlan, seconds: f64, circuit: &Circuit) -> Result<RunSettings, Failure> {
+    if !plan.phases.is_empty() {
+        let message = "the patch's run is a list of phases: --values takes no SECONDS then, since they would not \
+                       be followed; --values alone draws the initial condition, and `run --csv` gives voltages";
+        return Err(Failure::usage(message));
+    }
+    let duration = Some(Placed { value: seconds, span: Span::default() });
+    let plan = RunPlan { duration, ..plan.clone() };
+    let settings = RunSettings::new(&plan, circuit).map_err(|error| refused(&error))?;
+    let settings = RunSettings { every: seconds, record: vec![], ..settings }.lasting(seconds);
+    settings.check().map_err(|error| refused(&error))?;
+    Ok(settings)
+}
+
+/// What the error says, and what helps.
+fn refused(error: &RunError) -> Failure {
+    let advice = match error {
+        RunError::Missing(_) => ": write {\"step\": SECONDS} there to draw the voltages of a later time",
+        RunError::LongerThanRun { .. } => ": ask --values for a later time",
+        RunError::TooManySteps { .. } => ": ask --values for an earlier time",
+        _ => "",
+    };
+    let message = format!("{error}{advice}");
+    let failure = if advice.is_empty() { Failure::data(message) } else { Failure::usage(message) };
+    failure.with("code", error.code().into())
+}
+
+/// When the voltages are read.
+fn instant_told(machine: &Machine<'_>, seconds: f64) -> String {
+    match machine.mode() {
+        MachineMode::Hold => format!("voltages at t = {:.6} s, held by an overload", machine.time()),
+        _ if seconds > 0.0 => format!("voltages at t = {seconds} s"),
+        _ => "voltages at initial condition".to_owned(),
     }
 }
 

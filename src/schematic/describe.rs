@@ -1,6 +1,7 @@
 //! From the circuit to symbols and lists.
 
 use super::lists::{List, Row};
+use super::shapes;
 use super::symbol::{Jack, Outlet, Setting, Source, Symbol, Value, digits, share};
 use super::view::{Item, View};
 use crate::circuit::{Circuit, Cord, Element};
@@ -109,6 +110,8 @@ fn instance_settings(circuit: &Circuit, name: &str, instance: &Instance) -> Vec<
             formula: text.trim().parse::<f64>().is_err().then(|| text.to_owned()),
             value: Value::Number(value),
             shown: Display::new(made.unit.text(), value).text(value),
+            // The box writes all settings of its instance: only formulas are listed.
+            is_given: false,
         })
     };
     instance.settings.iter().filter_map(setting).collect()
@@ -137,17 +140,20 @@ fn given_setting(circuit: &Circuit, element: &Element, row: &SettingRow, amount:
             let formula = (!is_number).then(|| formula.text().to_owned());
             (Value::Number(value), formula, shown(row, value, &unit))
         }
-        (Amount::Flag(flag), _) => (Value::Flag(*flag), None, flag.to_string()),
+        (Amount::Flag(flag), _) => (Value::Flag(*flag), None, flag_told(*flag)),
         (Amount::Choice(index), Measure::Choice(words)) => {
             let word = words.get(*index)?;
             (Value::Word(word), None, (*word).to_owned())
         }
-        (Amount::Points(points), _) => {
-            (Value::Points(points.clone()), None, format!("{} points", points.len()))
-        }
+        (Amount::Points(points), _) => (Value::Points(points.clone()), None, points_told(points)),
         (Amount::Choice(_), _) => return None,
     };
-    Some(Setting { name: row.name.to_owned(), formula, value, shown })
+    Some(Setting { name: row.name.to_owned(), formula, value, shown, is_given: true })
+}
+
+/// The flags of all elements say whether a contact is closed.
+fn flag_told(closed: bool) -> String {
+    if closed { "closed" } else { "open" }.to_owned()
 }
 
 fn preset(circuit: &Circuit, element: &Element, row: &SettingRow) -> Option<Setting> {
@@ -158,11 +164,11 @@ fn preset(circuit: &Circuit, element: &Element, row: &SettingRow) -> Option<Sett
         _ => Value::Number(number),
     };
     let shown = match &value {
-        Value::Flag(flag) => flag.to_string(),
+        Value::Flag(flag) => flag_told(*flag),
         Value::Word(word) => (*word).to_owned(),
         _ => shown(row, number, &unit(circuit, element, row)),
     };
-    Some(Setting { name: row.name.to_owned(), formula: None, value, shown })
+    Some(Setting { name: row.name.to_owned(), formula: None, value, shown, is_given: false })
 }
 
 /// The unit of a setting's numbers.
@@ -196,7 +202,26 @@ fn shown(row: &SettingRow, value: f64, unit: &str) -> String {
     }
 }
 
-/// The lists below a drawing: settings with their formulas, drives, signals, notes. Symbols come with what their
+/// More points than this are not told one by one.
+const MOST_POINTS: usize = 8;
+
+/// Points as text; of many the first ones.
+fn points_told(points: &[[f64; 2]]) -> String {
+    let told = points.iter().take(MOST_POINTS).map(|[x, y]| format!("({}, {})", digits(*x), digits(*y)));
+    let told = told.collect::<Vec<_>>().join(" ");
+    if points.len() > MOST_POINTS { format!("{told} … {} points", points.len()) } else { told }
+}
+
+/// Machine and time scale, for the small print.
+pub(super) fn machine_line(circuit: &Circuit) -> String {
+    let machine = circuit.machine().title;
+    match circuit.time_scale() {
+        1.0 => machine.to_owned(),
+        scale => format!("{machine}; time_scale {}: machine seconds per problem second", digits(scale)),
+    }
+}
+
+/// The lists below a drawing: settings that the symbols leave out, drives, signals, notes. Symbols come with what their
 /// names begin with.
 pub(super) fn lists(circuit: &Circuit, symbols: &[(&str, &Symbol)]) -> Vec<List> {
     let is_drive = |symbol: &Symbol| symbol.shape.starts_with("drive-");
@@ -206,7 +231,7 @@ pub(super) fn lists(circuit: &Circuit, symbols: &[(&str, &Symbol)]) -> Vec<List>
     let note =
         |(prefix, symbol): &(&str, &Symbol)| Row::new(&format!("{prefix}{}", symbol.name), "", &symbol.note);
     let lists = [
-        ("Settings", elements.flat_map(|(prefix, symbol)| formula_rows(prefix, symbol)).collect()),
+        ("Settings", elements.flat_map(|(prefix, symbol)| setting_rows(prefix, symbol)).collect()),
         ("Drives", drives.map(|(_, drive)| drive_row(circuit, drive)).collect()),
         ("Signals", signal_rows(circuit)),
         ("Notes", notes.map(note).collect::<Vec<_>>()),
@@ -215,15 +240,24 @@ pub(super) fn lists(circuit: &Circuit, symbols: &[(&str, &Symbol)]) -> Vec<List>
     lists.filter(|list| !list.rows.is_empty()).collect()
 }
 
-fn formula_rows<'a>(prefix: &'a str, symbol: &'a Symbol) -> impl Iterator<Item = Row> + 'a {
-    symbol.settings.iter().filter_map(move |setting| {
-        let formula = setting.formula.as_ref()?;
-        let name = match setting.name.as_str() {
-            "setting" => format!("{prefix}{}", symbol.name),
-            other => format!("{prefix}{} {other}", symbol.name),
-        };
-        Some(Row::new(&name, &setting.shown, formula))
-    })
+/// Settings that come of formulas, and those that the patch gives and the symbol does not write.
+fn setting_rows<'a>(prefix: &'a str, symbol: &'a Symbol) -> impl Iterator<Item = Row> + 'a {
+    let written = shapes::written(symbol);
+    let told = symbol.settings.iter().filter(move |setting| {
+        setting.formula.is_some() || setting.is_given && !written.contains(&setting.name.as_str())
+    });
+    told.map(move |setting| setting_row(prefix, symbol, setting))
+}
+
+pub(super) fn setting_row(prefix: &str, symbol: &Symbol, setting: &Setting) -> Row {
+    let name = match setting.name.as_str() {
+        "setting" | "closed" => format!("{prefix}{}", symbol.name),
+        other => format!("{prefix}{} {other}", symbol.name),
+    };
+    match setting.value {
+        Value::Points(_) => Row::new(&name, "", &setting.shown),
+        _ => Row::new(&name, &setting.shown, setting.formula.as_deref().unwrap_or_default()),
+    }
 }
 
 fn drive_row(circuit: &Circuit, drive: &Symbol) -> Row {

@@ -83,7 +83,7 @@ fn setting(row: &SettingRow) -> Option<Setting> {
         Measure::Points | Measure::Curve(_) => (Value::Points(CURVE.to_vec()), String::new()),
         _ => (Value::Number(number), digits(number)),
     };
-    Some(Setting { name: row.name.to_owned(), formula: None, value, shown })
+    Some(Setting { name: row.name.to_owned(), formula: None, value, shown, is_given: true })
 }
 
 const CURVE: [[f64; 2]; 5] = [[0.0, 0.0], [1.0, 3.0], [2.0, 4.0], [3.0, 1.5], [4.0, 2.0]];
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn every_kind_has_its_symbol() {
         for kind in REGISTRY {
-            let known = shapes::SHAPES.iter().any(|(name, _)| *name == kind.symbol);
+            let known = shapes::SHAPES.iter().any(|(name, ..)| *name == kind.symbol);
             assert!(known, "{}: src/schematic/shapes has no symbol {}", kind.name, kind.symbol);
             let symbol = example(kind);
             assert!(shapes::draw(&symbol).inputs.len() >= symbol.jacks.len(), "{}", kind.name);

@@ -111,7 +111,8 @@ impl Schematic {
         let lists = describe::lists(circuit, &named.collect::<Vec<_>>());
         let patch = circuit.patch();
         let width = heading::width(plans.iter().map(|plan| plan.size().0).fold(0.0, f64::max), &patch.title);
-        let heading = Heading::new(&patch.title, &[&patch.source, note], width);
+        let heading =
+            Heading::new(&patch.title, &[&patch.source, &describe::machine_line(circuit), note], width);
         let bottom = MARGIN + heading.height();
         let (main, macros) = (Diagram::default(), Vec::new());
         let mut schematic = Schematic { heading, main, macros, lists, width, bottom };

@@ -65,6 +65,8 @@ pub struct Setting {
     pub value: Value,
     /// The value with its unit, in few digits.
     pub shown: String,
+    /// Whether the patch gives it; else it is preset.
+    pub is_given: bool,
 }
 
 /// The value of a setting.

@@ -34,6 +34,11 @@ impl<'p, 'w> Player<'p, 'w> {
         self.recorder.trace
     }
 
+    /// The machine as it stands.
+    pub fn into_machine(self) -> Machine<'p> {
+        self.machine
+    }
+
     fn all(&mut self, phases: &[Phase]) -> Result<(), RunError> {
         phases.iter().try_for_each(|phase| self.one(phase))
     }

@@ -149,18 +149,41 @@ pub fn run_watched(
     settings: &RunSettings,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Trace, Stopped> {
-    settings.check()?;
-    player::check(program, &settings.phases)?;
-    let machine = Machine::new(program, settings.step)?;
-    machine.check_noise(Extent::of(&settings.phases).operated)?;
-    let recorder = Recorder::new(program, &machine, settings, progress)?;
-    let mut player = Player::new(machine, recorder);
+    let mut player = ready(program, settings, progress)?;
     let outcome = player.run(&settings.phases);
     let trace = player.finish();
     match outcome {
         Ok(()) => Ok(trace),
         Err(error) => Err(Stopped { error, trace: Box::new(trace) }),
     }
+}
+
+/// The machine as a run leaves it, telling progress like [`run_watched`].
+///
+/// # Errors
+/// When the settings make no run, a signal is not known, or the run had to stop.
+pub fn machine_after<'p>(
+    program: &'p Program,
+    settings: &RunSettings,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Machine<'p>, RunError> {
+    let mut player = ready(program, settings, progress)?;
+    player.run(&settings.phases)?;
+    Ok(player.into_machine())
+}
+
+/// A machine and its recorder, everything checked.
+fn ready<'p, 'w>(
+    program: &'p Program,
+    settings: &RunSettings,
+    progress: &'w mut dyn FnMut(f64),
+) -> Result<Player<'p, 'w>, RunError> {
+    settings.check()?;
+    player::check(program, &settings.phases)?;
+    let machine = Machine::new(program, settings.step)?;
+    machine.check_noise(Extent::of(&settings.phases).operated)?;
+    let recorder = Recorder::new(program, &machine, settings, progress)?;
+    Ok(Player::new(machine, recorder))
 }
 
 /// Times that differ by less than this share of themselves are the same instant.

@@ -52,6 +52,36 @@ fn a_schematic_wants_a_place_to_go() {
     assert!(fs::read_to_string(&copy).unwrap().starts_with('{') && !Path::new(&other).exists());
 }
 
+#[test]
+fn a_later_instant_wants_a_run_that_can_be_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let stepless = path(&folder, "stepless.json");
+    let mut patch: serde_json::Value = serde_json::from_str(&fs::read_to_string(FIG_8_16).unwrap()).unwrap();
+    patch["run"].as_object_mut().unwrap().remove("step");
+    fs::write(&stepless, patch.to_string()).unwrap();
+    let phased = path(&folder, "phased.json");
+    patch["run"] = serde_json::json!({"step": 1e-4, "phases": [{"operate": 1.0}, {"hold": 1.0}]});
+    fs::write(&phased, patch.to_string()).unwrap();
+    for (patch, seconds, told) in [
+        (FIG_8_16, "1e15", "ask --values for an earlier time"),
+        (FIG_8_16, "1e-9", "ask --values for a later time"),
+        (&stepless, "0.5", "write {\"step\": SECONDS} there"),
+        (&phased, "0.5", "--values takes no SECONDS"),
+    ] {
+        let refused = patchcord(&["draw", patch, "--values", seconds, "--json"]);
+        assert_eq!(code(&refused), 2, "{seconds} of {patch}");
+        assert!(
+            errors(&refused).contains(told) || out(&refused).contains(&told.replace('"', "\\\"")),
+            "{}{}",
+            errors(&refused),
+            out(&refused)
+        );
+    }
+    for patch in [&stepless, &phased] {
+        assert_eq!(code(&patchcord(&["draw", patch, "--values", "--json"])), 0, "{patch}");
+    }
+}
+
 /// Arguments and the picture of the documents that they make.
 const PICTURES: [(&[&str], &str); 2] =
     [(&[], "docs/pictures/fig-8-16.schematic.svg"), (&["--board"], "docs/pictures/fig-8-16.board.svg")];

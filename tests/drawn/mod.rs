@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use patchcord::circuit::Circuit;
 use patchcord::plot::{Area, Label, Stroke};
-use patchcord::schematic::{Diagram, Net, PlacedSymbol, Point, Schematic, Source};
+use patchcord::schematic::{Diagram, Net, PlacedSymbol, Point, Schematic, Source, Value};
 
 /// The schematic of a circuit, with a voltage at every output.
 pub fn schematic(circuit: &Circuit) -> Schematic {
@@ -30,10 +30,56 @@ pub fn check(circuit: &Circuit, what: &str) {
         no_texts_overlap(drawn, what);
     }
     every_element_once(&opened(circuit).main, circuit, what);
+    every_given_setting_is_told(&opened(circuit), circuit, what);
     boxes::check(&drawn, circuit, what);
     if circuit.patch().instances.is_empty() {
         assert_eq!(drawn, opened(circuit), "{what}");
     }
+}
+
+/// Every setting that the patch gives stands at the symbol or in the lists of the sheet.
+fn every_given_setting_is_told(drawn: &Schematic, circuit: &Circuit, what: &str) {
+    let drawing = drawn.drawing();
+    for element in circuit.elements() {
+        let Some(placed) = drawn.main.symbols.iter().find(|placed| placed.symbol.name == element.name) else {
+            continue;
+        };
+        let rows = element.kind.settings.iter().zip(&element.settings);
+        for (row, _) in rows.filter(|(_, given)| given.is_some()) {
+            let setting = placed
+                .symbol
+                .setting(row.name)
+                .unwrap_or_else(|| panic!("{what}: {} of {}", row.name, element.name));
+            let told = told(&setting.shown, &setting.value);
+            let at_symbol = placed.labels().any(|label| has(&label.text, &told));
+            let listed = drawn.lists.iter().flat_map(|list| &list.rows).any(|listed| {
+                let names = [element.name.clone(), format!("{} {}", element.name, row.name)];
+                names.contains(&listed.name) && (has(&listed.value, &told) || has(&listed.text, &told))
+            });
+            assert!(at_symbol || listed, "{what}: {} of {} is {told} nowhere", row.name, element.name);
+            let on_sheet = drawing.marks.iter().any(|mark| match mark {
+                Stroke::Text(label) => label.text.contains('…') || has(&label.text, &told),
+                _ => false,
+            });
+            assert!(on_sheet, "{what}: {told}");
+        }
+    }
+}
+
+/// What a reader looks for: the number without its unit, a word, the first point.
+fn told(shown: &str, value: &Value) -> String {
+    match value {
+        Value::Flag(true) => "closed".to_owned(),
+        Value::Flag(false) => "open".to_owned(),
+        Value::Word("product") => "b/100".to_owned(),
+        Value::Word("sum-of-squares") => "b²)/100".to_owned(),
+        Value::Word(word) => (*word).to_owned(),
+        Value::Number(_) | Value::Points(_) => shown.split(' ').next().unwrap_or_default().to_owned(),
+    }
+}
+
+fn has(text: &str, word: &str) -> bool {
+    text.split([' ', ',']).any(|other| other == word || other == word.trim_end_matches(','))
 }
 
 fn check_diagram(drawn: &Diagram, what: &str) {

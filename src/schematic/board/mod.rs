@@ -71,7 +71,7 @@ impl Board {
         let symbols = describe::symbols(&View::new(circuit, Show::Elements), &|_| None);
         DrawError::check(symbols.len())?;
         let title = &circuit.patch().title;
-        let machine = format!("{}; {ARRANGED}", circuit.machine().title);
+        let machine = format!("{}; {ARRANGED}", describe::machine_line(circuit));
         let width = heading::width(panel::WIDTH, title);
         let heading = Heading::new(title, &[&machine, note], width);
         let laid = panel::lay(circuit, &symbols, (MARGIN, MARGIN + heading.height()));

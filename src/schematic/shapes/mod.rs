@@ -17,39 +17,39 @@ pub(super) use art::{Art, CORD, NAME, PRINT, SMALL};
 /// A symbol drawn around its anchor.
 type Draw = fn(&Symbol) -> Art;
 
-/// Every symbol by its name in the registry of elements.
-pub(super) static SHAPES: &[(&str, Draw)] = &[
-    ("amplifier", amplifier::summer),
-    ("open-amplifier", amplifier::open),
-    ("integrator", amplifier::integrator),
-    ("lag", amplifier::lag),
-    ("track-hold", switching::track_hold),
-    ("potentiometer", network::potentiometer),
-    ("free-potentiometer", network::free_potentiometer),
-    ("diode-dead-zone", diodes::dead_zone),
-    ("diode-lower-of", diodes::lower_of),
-    ("diode-upper-of", diodes::upper_of),
-    ("multiplier", function::multiplier),
-    ("absolute", function::absolute),
-    ("dead-zone", function::dead_zone),
-    ("backlash", function::backlash),
-    ("function-generator", function::generator),
-    ("sin", function::sin),
-    ("cos", function::cos),
-    ("log", function::log),
-    ("exp", function::exp),
-    ("relay", switching::relay),
-    ("switch", switching::key),
-    ("delay", function::delay),
-    ("macro", ports::instance),
-    ("port-in", ports::inlet),
-    ("port-out", ports::outlet),
-    ("drive-step", drive::step),
-    ("drive-ramp", drive::ramp),
-    ("drive-triangle", drive::triangle),
-    ("drive-sine", drive::sine),
-    ("drive-noise", drive::noise),
-    ("drive-table", drive::table),
+/// Every symbol by its name in the registry of elements, with the settings that it writes.
+pub(super) static SHAPES: &[(&str, Draw, &[&str])] = &[
+    ("amplifier", amplifier::summer, &["limit.upper", "limit.lower"]),
+    ("open-amplifier", amplifier::open, &["limit.upper", "limit.lower"]),
+    ("integrator", amplifier::integrator, &["initial", "limit.upper", "limit.lower"]),
+    ("lag", amplifier::lag, &["time", "initial", "limit.upper", "limit.lower"]),
+    ("track-hold", switching::track_hold, &["initial", "threshold"]),
+    ("potentiometer", network::potentiometer, &["setting"]),
+    ("free-potentiometer", network::free_potentiometer, &["setting"]),
+    ("diode-dead-zone", diodes::dead_zone, &["setting"]),
+    ("diode-lower-of", diodes::lower_of, &[]),
+    ("diode-upper-of", diodes::upper_of, &[]),
+    ("multiplier", function::multiplier, &["mode"]),
+    ("absolute", function::absolute, &[]),
+    ("dead-zone", function::dead_zone, &["lower", "upper"]),
+    ("backlash", function::backlash, &["width"]),
+    ("function-generator", function::generator, &[]),
+    ("sin", function::sin, &[]),
+    ("cos", function::cos, &[]),
+    ("log", function::log, &[]),
+    ("exp", function::exp, &[]),
+    ("relay", switching::relay, &["pull_in", "drop_out"]),
+    ("switch", switching::key, &["closed"]),
+    ("delay", function::delay, &["delay"]),
+    ("macro", ports::instance, &[]),
+    ("port-in", ports::inlet, &[]),
+    ("port-out", ports::outlet, &[]),
+    ("drive-step", drive::step, &[]),
+    ("drive-ramp", drive::ramp, &[]),
+    ("drive-triangle", drive::triangle, &[]),
+    ("drive-sine", drive::sine, &[]),
+    ("drive-noise", drive::noise, &[]),
+    ("drive-table", drive::table, &[]),
 ];
 
 /// Room to the right of an output for the names and the voltage read there.
@@ -57,14 +57,19 @@ const READING_GAP: f64 = 4.0;
 
 /// Draws a symbol with what is read at it and the references plugged into it.
 pub(super) fn draw(symbol: &Symbol) -> Art {
-    let row = SHAPES.iter().find(|(name, _)| *name == symbol.shape);
-    let mut art = row.map_or_else(|| network::plain_box(symbol), |(_, draw)| draw(symbol));
+    let row = SHAPES.iter().find(|(name, ..)| *name == symbol.shape);
+    let mut art = row.map_or_else(|| network::plain_box(symbol), |(_, draw, _)| draw(symbol));
     if art.inputs.len() < symbol.jacks.len() {
         art = network::plain_box(symbol);
     }
     references(symbol, &mut art);
     readings(symbol, &mut art);
     art
+}
+
+/// The settings that a symbol writes.
+pub(super) fn written(symbol: &Symbol) -> &'static [&'static str] {
+    SHAPES.iter().find(|(name, ..)| *name == symbol.shape).map_or(&[], |(.., written)| written)
 }
 
 /// How many of its first jacks are equal in rights.

@@ -20,7 +20,7 @@ pub(super) fn relay(symbol: &Symbol) -> Art {
     let mut names = vec![("on", -22.0), ("off", -2.0), ("in", 20.0)];
     if is_compared {
         art.line(&[(-34.0, 38.0), (4.0, 38.0), (4.0, 27.0)]);
-        names.push(("ref", 38.0));
+        names.push(("against", 38.0));
     }
     for (name, y) in names {
         art.text(name, (-31.0, y - 3.0), SMALL, Align::Start, Ink::Soft);
