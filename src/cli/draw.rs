@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::files::{check_apart, named_like, prepare, put, written};
-use super::load::{Loaded, PatchArguments, parameter_line, parameters_json, problem_check};
+use super::load::{Loaded, PatchArguments, document, parameter_line, problem_check};
 use super::progress::Progress;
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
@@ -64,7 +64,7 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
         put(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
     }
     if arguments.patch.json {
-        return say_json(&document(&loaded, data, &files));
+        return say_json(&drawing_document(&loaded, data, &files));
     }
     say(&written(files.iter().map(|(path, _)| path)))
 }
@@ -166,15 +166,7 @@ fn too_many(error: DrawError) -> Failure {
     Failure::data(error.to_string())
 }
 
-fn document(loaded: &Loaded, (name, data): (&str, Value), files: &[(PathBuf, Format)]) -> Value {
-    let circuit = &loaded.circuit;
-    json!({
-        "ok": true,
-        "patch": circuit.patch().file(),
-        "title": circuit.patch().title,
-        "diagnostics": circuit.warnings().to_json(),
-        "parameters": parameters_json(circuit),
-        name: data,
-        "files": files.iter().map(|(path, _)| path.display().to_string()).collect::<Value>(),
-    })
+fn drawing_document(loaded: &Loaded, (name, data): (&str, Value), files: &[(PathBuf, Format)]) -> Value {
+    let paths: Value = files.iter().map(|(path, _)| path.display().to_string()).collect();
+    document(&loaded.circuit, json!({ name: data, "files": paths }))
 }

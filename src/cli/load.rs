@@ -73,6 +73,21 @@ pub(super) fn parameters_json(circuit: &Circuit) -> Value {
     told.collect()
 }
 
+/// The `--json` document of what was made of a patch: of which one, and then `more`.
+pub(super) fn document(circuit: &Circuit, more: Value) -> Value {
+    let mut document = json!({
+        "ok": true,
+        "patch": circuit.patch().file(),
+        "title": circuit.patch().title,
+        "diagnostics": circuit.warnings().to_json(),
+        "parameters": parameters_json(circuit),
+    });
+    if let (Value::Object(document), Value::Object(more)) = (&mut document, more) {
+        document.extend(more);
+    }
+    document
+}
+
 /// The step plays no part in initial condition, but delay lines and lags want one.
 const ANY_STEP: f64 = 1e-4;
 

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::failure::{Failure, plural};
 use super::files::{FileArguments, Files};
-use super::load::{Loaded, PatchArguments, parameter_line, parameters_json};
+use super::load::{Loaded, PatchArguments, document, parameter_line};
 use super::overloads::{overload_json, overload_told};
 use super::phases::{phase_told, phases_json, phases_told};
 use super::progress::Progress;
@@ -73,7 +73,7 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     };
     files.write(&trace, &circuit)?;
     if arguments.patch.json {
-        return say_json(&document(&circuit, &settings, &trace, &files));
+        return say_json(&run_document(&circuit, &settings, &trace, &files));
     }
     say(&readings_table(&circuit, &trace))?;
     say(&phases_told(&trace))?;
@@ -240,13 +240,8 @@ fn overloads_told(trace: &Trace) -> String {
     if text.is_empty() { "no overload\n".to_owned() } else { text }
 }
 
-fn document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files: &Files) -> Value {
-    json!({
-        "ok": true,
-        "patch": circuit.patch().file(),
-        "title": circuit.patch().title,
-        "diagnostics": circuit.warnings().to_json(),
-        "parameters": parameters_json(circuit),
+fn run_document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files: &Files) -> Value {
+    let more = json!({
         "run": {
             "for": settings.duration(),
             "step": settings.step,
@@ -265,7 +260,8 @@ fn document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files: &Fi
         })).collect::<Value>(),
         "phases": phases_json(trace),
         "files": files.json(),
-    })
+    });
+    document(circuit, more)
 }
 
 fn reading_json(reading: &Reading) -> Value {
