@@ -13,6 +13,9 @@ const MOST_POINTS: usize = 2_000_000;
 /// After so many faults the rest of a file is not read.
 const MOST_FAULTS: usize = 10;
 
+/// What to do about a file that is no text.
+const NO_TEXT: &str = "name a CSV file, saved with the encoding UTF-8";
+
 /// What is wrong with a file.
 #[derive(Debug, PartialEq)]
 pub(super) struct Fault {
@@ -28,6 +31,14 @@ impl Fault {
     }
 }
 
+/// A unit as a comment line tells it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Told {
+    pub text: String,
+    /// The line of the file, from 1.
+    pub line: usize,
+}
+
 /// The numbers of two columns.
 #[derive(Debug, Default)]
 pub(super) struct Rows {
@@ -37,7 +48,7 @@ pub(super) struct Rows {
     /// The names of the two columns.
     pub names: [String; 2],
     /// The units that comment lines `# name: unit` tell for them.
-    pub units: [Option<String>; 2],
+    pub units: [Option<Told>; 2],
 }
 
 /// Reads the columns of these names; without names the first column, and the one beside the column along x.
@@ -93,7 +104,7 @@ struct Reader<'a> {
     /// Of the line that is being read.
     number: usize,
     /// Name and unit, as comment lines above the names tell them.
-    comments: Vec<(String, String)>,
+    comments: Vec<(String, Told)>,
     columns: Option<Columns>,
     rows: Rows,
     faults: Vec<Fault>,
@@ -106,15 +117,16 @@ struct Columns {
 }
 
 impl Reader<'_> {
-    /// Whether the rest of the file is of no use.
+    /// Whether the rest of the file is of no use: a file whose first row is wrong may be no table at all.
     fn is_lost(&self) -> bool {
-        self.faults.len() >= MOST_FAULTS || (self.columns.is_none() && !self.faults.is_empty())
+        let is_table = self.columns.is_some() && !self.rows.points.is_empty();
+        self.faults.len() >= MOST_FAULTS || (!is_table && !self.faults.is_empty())
     }
 
     fn line(&mut self, bytes: &[u8]) {
         self.number += 1;
         let Ok(text) = std::str::from_utf8(bytes) else {
-            return self.fault("is not UTF-8 text", "save the file with the encoding UTF-8");
+            return self.fault("is not UTF-8 text", NO_TEXT);
         };
         let text = text.trim_end_matches(['\r', '\n']);
         let text = if self.number == 1 { text.strip_prefix('\u{feff}').unwrap_or(text) } else { text };
@@ -124,10 +136,13 @@ impl Reader<'_> {
                 "end lines with a line feed, with or without a carriage return before it",
             );
         }
+        if text.contains(is_unprintable) {
+            return self.fault("holds signs that are no text", NO_TEXT);
+        }
         if let Some(comment) = text.strip_prefix('#') {
-            self.comments.extend(
-                comment.split_once(':').map(|(name, unit)| (name.trim().to_owned(), unit.trim().to_owned())),
-            );
+            let told = |unit: &str| Told { text: unit.trim().to_owned(), line: self.number };
+            self.comments
+                .extend(comment.split_once(':').map(|(name, unit)| (name.trim().to_owned(), told(unit))));
         } else if !text.trim().is_empty() {
             let fields = fields(text);
             match self.columns {
@@ -179,9 +194,10 @@ impl Reader<'_> {
         let (first, second) = (found.next(), found.next());
         if first.is_none() || second.is_some() {
             let has = if first.is_none() { "has no column" } else { "has more than one column" };
-            let known: Vec<_> = fields.iter().map(String::as_str).collect();
-            let hint = if first.is_none() { suggestion(name, &known) } else { None };
-            let hint = hint.unwrap_or_else(|| "give every column a name of its own".to_owned());
+            let hint = match first {
+                Some(_) => "give every column a name of its own".to_owned(),
+                None => told_names(name, fields),
+            };
             let message = format!("{} {has} \"{name}\"", self.path.display());
             self.faults.push(Fault { axis: Some(axis), ..Fault::new(message, hint) });
             return None;
@@ -213,13 +229,12 @@ impl Reader<'_> {
     }
 
     fn no_number(&mut self, field: &str) {
-        let shown: String = field.chars().take(40).collect();
         let hint = if field.contains(',') {
             "write 0.5, not 0,5"
         } else {
             "every row needs a finite number in each of the two columns"
         };
-        self.fault(&format!("has \"{shown}\" where a number is needed"), hint);
+        self.fault(&format!("has \"{}\" where a number is needed", excerpt(field)), hint);
     }
 
     fn finish(mut self) -> Result<Rows, Vec<Fault>> {
@@ -232,6 +247,30 @@ impl Reader<'_> {
         }
         if self.faults.is_empty() { Ok(self.rows) } else { Err(self.faults) }
     }
+}
+
+/// Columns that a name may be meant for. Of a file that is no table little is shown.
+fn told_names(name: &str, fields: &[String]) -> String {
+    let is_name = |field: &&str| {
+        let is_sign = |sign: char| !(sign.is_alphanumeric() || " _.-()[]/%".contains(sign));
+        field.len() <= LONGEST_EXCERPT && !field.contains(is_sign)
+    };
+    let known: Vec<_> = fields.iter().map(String::as_str).collect();
+    let hint = known.iter().all(is_name).then(|| suggestion(name, &known)).flatten();
+    hint.unwrap_or_else(|| "a table begins with a line of names, such as t,x".to_owned())
+}
+
+/// Characters of a file that a report shows.
+const LONGEST_EXCERPT: usize = 30;
+
+/// The beginning of a field.
+pub(super) fn excerpt(field: &str) -> String {
+    let shown: String = field.chars().take(LONGEST_EXCERPT).collect();
+    if shown.len() < field.len() { format!("{shown}...") } else { shown }
+}
+
+fn is_unprintable(sign: char) -> bool {
+    sign.is_control() && sign != '\t'
 }
 
 /// The fields of a line, quotes and the blanks around them taken away.
@@ -273,7 +312,7 @@ mod tests {
         let text = "\u{feff}# made by hand\r\n# t: s\r\n# \"force\": N\r\n\"t\",\"a force\"\r\n\r\n0, 1e3\r\n# more\r\n  \r\n\"+.5\", -2";
         let rows = rows(text, [None, Some("a force")]).unwrap();
         assert_eq!((rows.points, rows.lines), (vec![[0.0, 1000.0], [0.5, -2.0]], vec![6, 9]));
-        assert_eq!(rows.units, [Some("s".to_owned()), None]);
+        assert_eq!(rows.units, [Some(Told { text: "s".to_owned(), line: 2 }), None]);
     }
 
     /// The only fault of a table.
@@ -301,6 +340,7 @@ mod tests {
             ("t,x\n0,1e999\n", "line 2 of FILE has \"1e999\" where a number is needed"),
             ("t,x\n\"0,1\n", "line 2 of FILE has 1 fields"),
             ("t,x\r0,1\r", "line 1 of FILE holds a carriage return"),
+            ("t\0,\0x\0\n", "line 1 of FILE holds signs that are no text; name a CSV file"),
         ];
         for (text, expected) in cases {
             assert!(told(text).starts_with(expected), "{text:?}: {}", told(text));
@@ -320,8 +360,21 @@ mod tests {
 
     #[test]
     fn the_first_ten_faults_are_told() {
-        let faults = rows(&format!("t,x\n{}", "a,b\n".repeat(1000)), [None, None]).unwrap_err();
+        let faults = rows(&format!("t,x\n0,1\n{}", "a,b\n".repeat(1000)), [None, None]).unwrap_err();
         assert_eq!(faults.len(), MOST_FAULTS);
+    }
+
+    #[test]
+    fn of_a_file_that_is_no_table_no_more_than_a_field_is_shown() {
+        let users = "root:x:0:0:Charlie,,:/root:/bin/sh\nann:x:1:1:Ann,Room 7,:/home/ann:/bin/sh\n";
+        let notes = format!("to do,when\n{},today\n{},later\n", "call the office ".repeat(9), "rest");
+        for (text, asked) in [(users, [Some("t"), None]), (users, [None, None]), (&notes, [None, None])] {
+            let faults = rows(text, asked).unwrap_err();
+            assert_eq!(faults.len(), 1, "{faults:?}");
+            let told = format!("{} {}", faults[0].message, faults[0].hint);
+            let shown = ["Charlie", "Room", "call the office call the office call", "rest"];
+            assert!(!shown.iter().any(|part| told.contains(part)), "{told}");
+        }
     }
 
     #[test]

@@ -2,8 +2,8 @@
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Span, told};
-use super::fields::{Findings, list, number};
-use super::tree::Node;
+use super::fields::{Findings, list, number, wrong_type};
+use super::tree::{Content, Node};
 use crate::machines::REFERENCE;
 
 /// How the points of a curve are mirrored to negative inputs.
@@ -94,6 +94,11 @@ pub(super) fn curve_of(
 const MOST_OUTSIDE: usize = 1000;
 
 fn pairs<'a>(node: &'a Node, key: &str, findings: &mut Findings) -> Option<(&'a [Node], Vec<[f64; 2]>)> {
+    if let Content::Text(file) = &node.value {
+        let hint = format!("points in a file: {{\"csv\": {}}}", serde_json::Value::from(file.as_str()));
+        findings.push(wrong_type(node, key, "a list of points", &node.value).hint(hint));
+        return None;
+    }
     let items = list(node, key, findings)?;
     let points: Vec<_> = items.iter().map(|item| point(item, key, findings)).collect();
     let points: Option<Vec<[f64; 2]>> = points.into_iter().collect();

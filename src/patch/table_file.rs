@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::code::Code;
-use super::csv_rows::{self, Fault, Rows};
+use super::csv_rows::{self, Fault, Rows, Told, excerpt};
 use super::decode_curve::{Mirror, Points, curve_of, points_of};
 use super::diagnostic::{Diagnostic, Span};
 use super::document::{Amount, Entry, Patch, Placed};
@@ -97,8 +97,12 @@ impl TableFile {
         };
         let mut faults = Vec::new();
         for axis in [0, 1] {
-            let told = rows.units[axis].as_ref().and_then(|text| Unit::parse(text).ok());
-            let (Some(told), Some(place)) = (told, places[axis]) else { continue };
+            let Some(comment) = &rows.units[axis] else { continue };
+            let Ok(told) = Unit::parse(&comment.text) else {
+                faults.push(no_unit(&rows.names[axis], comment, path, axis));
+                continue;
+            };
+            let Some(place) = places[axis] else { continue };
             if told.dimension() != place.dimension() {
                 faults.push(other_unit(&rows.names[axis], &told, place, path, axis));
             } else if told.factor() != place.factor() {
@@ -121,6 +125,17 @@ impl TableFile {
             Purpose::Curve(mirror) => curve_of(points, "points", mirror, findings),
         }
     }
+}
+
+fn no_unit(name: &str, comment: &Told, path: &Path, axis: usize) -> Fault {
+    let message = format!(
+        "line {} of {} tells \"{}\" as the unit of the column {name}, which is no unit",
+        comment.line,
+        path.display(),
+        excerpt(&comment.text)
+    );
+    let hint = format!("write \"# {name}: unit\" with nothing behind the unit, or a comment without a colon");
+    Fault { axis: Some(axis), ..Fault::new(message, hint) }
 }
 
 fn other_unit(name: &str, told: &Unit, place: &Unit, path: &Path, axis: usize) -> Fault {
