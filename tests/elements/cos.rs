@@ -39,6 +39,6 @@ fn modes() {
 #[test]
 fn derivatives() {
     let wave = element("cos").cord("in", "a").set("amplitude", "A").set("angle_per_volt", "w");
-    let settings = [("A", 60.0, "1", [1.0, 99.0]), ("w", 0.02, "1", [0.0, 1.0])];
+    let settings = [("A", 60.0, "1", [1.0, 99.0]), ("w", 0.02, "rad/V", [0.0, 1.0])];
     has_exact_derivatives(wave, 40.0, &settings);
 }
