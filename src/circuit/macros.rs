@@ -20,21 +20,42 @@ fn is_inside(patch: &Patch, span: Span) -> bool {
     patch.macros_at.start < span.start && span.end < patch.macros_at.end
 }
 
-/// The findings, those inside macros told once a place: of the first instance that they were found in.
+/// The findings, those inside macros told once: of the first instance that they were found in.
 pub(super) fn once(patch: &Patch, findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    let mut told: Vec<(Diagnostic, usize)> = Vec::new();
-    let mut places: HashMap<(Code, Span), usize> = HashMap::new();
+    let mut told: Vec<(Diagnostic, HashSet<String>)> = Vec::new();
+    let mut places: HashMap<(Code, Span, String), usize> = HashMap::new();
     for finding in findings {
-        let place = finding.span.filter(|span| is_inside(patch, *span)).map(|span| (finding.code, span));
-        match place.and_then(|place| places.get(&place)) {
-            Some(first) => told[*first].1 += 1,
-            None => {
-                places.extend(place.map(|place| (place, told.len())));
-                told.push((finding, 0));
-            }
+        let Some(span) = finding.span.filter(|span| is_inside(patch, *span)) else {
+            told.push((finding, HashSet::new()));
+            continue;
+        };
+        let (instance, message) = without_instance(patch, &finding.message);
+        let first = *places.entry((finding.code, span, message)).or_insert(told.len());
+        if first == told.len() {
+            told.push((finding, HashSet::new()));
         }
+        told[first].1.insert(instance);
     }
-    told.into_iter().map(|(finding, others)| with_others(finding, others)).collect()
+    let others = |instances: HashSet<String>| instances.len().saturating_sub(1);
+    told.into_iter().map(|(finding, instances)| with_others(finding, others(instances))).collect()
+}
+
+/// The instance that a message is about, and the message without what differs from instance to instance: the names
+/// of elements and what drives them, and the numbers that settings came to.
+fn without_instance(patch: &Patch, message: &str) -> (String, String) {
+    let bare = message.split(' ').map(|word| word.trim_matches(|sign| "\",:;()".contains(sign)));
+    let about = bare.clone().find_map(|word| instance(patch, word)).unwrap_or_default();
+    let differs = |word: &str| {
+        let is_outlet = patch.elements.contains_key(word) || patch.drives.contains_key(word);
+        is_outlet || instance(patch, word).is_some() || word.parse::<f64>().is_ok()
+    };
+    let same: Vec<&str> = bare.filter(|word| !differs(word)).collect();
+    (about.to_owned(), same.join(" "))
+}
+
+/// The innermost instance that something of this name stands in.
+fn instance<'n>(patch: &Patch, name: &'n str) -> Option<&'n str> {
+    name.rmatch_indices('.').map(|(dot, _)| &name[..dot]).find(|around| patch.instances.contains_key(*around))
 }
 
 fn with_others(finding: Diagnostic, others: usize) -> Diagnostic {
