@@ -55,6 +55,7 @@ impl Quantities {
             lost: patch.lost().clone(),
         };
         quantities.work_out(patch, &derivations, findings);
+        quantities.judge_defaults(patch, findings);
         quantities
     }
 
@@ -147,6 +148,18 @@ impl Quantities {
         }
     }
 
+    /// Judges the defaults of macros that no instance takes; those taken are worked out with it.
+    fn judge_defaults(&self, patch: &Patch, findings: &mut Vec<Diagnostic>) {
+        let set = patch.instances.values().flat_map(|made| made.settings.values());
+        let taken: HashSet<Span> = set.map(|setting| setting.value.span).collect();
+        for setting in patch.macros.values().flat_map(|of| of.settings.values()) {
+            let default = setting.default.as_ref().filter(|default| !taken.contains(&default.span));
+            if let (Some(default), Some(unit)) = (default, &setting.unit) {
+                self.quantity(default, unit, findings);
+            }
+        }
+    }
+
     /// Which formulas name which.
     fn naming(&self) -> DiGraph<(), ()> {
         let mut naming = DiGraph::new();
@@ -179,16 +192,21 @@ impl Quantities {
         placed: &Placed<Formula>,
         findings: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
-        let unit = self.unit(index);
-        let wanted = unit.dimension();
-        let value = self.checked(placed, |found| found == wanted, &wanted.to_string(), findings)?;
-        let value = self.in_si(&placed.value, value, unit);
+        let value = self.quantity(placed, self.unit(index), findings)?;
         if value == 0.0 && self.is_plain(&placed.value) && index < self.scales {
             let message = "a scale of 0 per volt measures nothing";
             let hint = "per_volt is what one volt stands for";
             findings.push(Diagnostic::at(Code::BadNumber, placed.span, message).hint(hint));
             return None;
         }
+        Some(value)
+    }
+
+    /// A formula's value in SI, once it is found fit for a unit.
+    fn quantity(&self, placed: &Placed<Formula>, unit: &Unit, findings: &mut Vec<Diagnostic>) -> Option<f64> {
+        let wanted = unit.dimension();
+        let value = self.checked(placed, |found| found == wanted, &wanted.to_string(), findings)?;
+        let value = self.in_si(&placed.value, value, unit);
         if !value.is_finite() {
             findings.push(too_large(&placed.value, placed.span));
             return None;

@@ -27,6 +27,7 @@ pub(super) fn check(
     let drives = &patch.drives;
     for (name, of) in &mut macros.defined {
         names(name, of, patch, findings);
+        defaults(of, findings);
         formulas(of, patch, findings);
     }
     for (name, of) in &macros.defined {
@@ -110,6 +111,20 @@ fn port_name(name: &str, span: Span) -> Option<Diagnostic> {
         name.contains('.').then(|| Diagnostic::at(Code::BadName, span, message).hint(hint))
     };
     outlet_name(name, span, "port").or_else(dotted)
+}
+
+/// Takes out defaults that name other settings of the macro: their values come with the instances.
+fn defaults(of: &mut Macro, findings: &mut Findings) {
+    let own: HashSet<String> = of.settings.keys().cloned().collect();
+    for (name, setting) in &mut of.settings {
+        let Some(default) = &setting.default else { continue };
+        if let Some(named) = default.value.names().into_iter().find(|named| own.contains(*named)) {
+            let message = format!("the default of {name} names {named}, a setting of the same macro");
+            let hint = "a default may name parameters and scales";
+            findings.push(Diagnostic::at(Code::UnknownName, default.span, message).hint(hint));
+            (setting.unit, setting.default) = (None, None);
+        }
+    }
 }
 
 /// Takes out formulas that name what is not there or whose units do not agree.
