@@ -29,6 +29,7 @@ mod pot;
 mod ramp;
 mod reference;
 mod relay;
+mod setting;
 mod sin;
 mod sine;
 mod soft_limit;
@@ -39,9 +40,10 @@ mod track_hold;
 mod triangle;
 
 pub(crate) use kind::gain_of;
-pub use kind::{Default, Family, Input, Jacks, Kind, Measure, Output, Setting, Takes, Transfer};
+pub use kind::{Family, Input, Jacks, Kind, Output, Takes, Transfer};
 pub use page::{Page, reference_page};
 pub(crate) use reference::{REFERENCE, REFERENCES};
+pub use setting::{Default, Measure, Setting};
 
 /// Every kind of element and drive, in the order of listings.
 pub static REGISTRY: &[&Kind] = &[

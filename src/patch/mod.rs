@@ -10,6 +10,7 @@ mod decode_run;
 mod diagnostic;
 mod document;
 mod fields;
+mod file;
 mod formula;
 mod function;
 mod macros;
@@ -27,9 +28,9 @@ pub use code::Code;
 pub use diagnostic::{Diagnostic, Report, Severity, Span, suggestion};
 pub(crate) use document::Lost;
 pub use document::{
-    Amount, Entry, FORMAT_VERSION, Parameter, Patch, PatchError, PictureSpec, Placed, Plug, RunPlan, Scale,
-    Signal,
+    Amount, Entry, FORMAT_VERSION, Parameter, Patch, PictureSpec, Placed, Plug, RunPlan, Scale, Signal,
 };
+pub use file::PatchError;
 pub use formula::{
     Callee, Expression, Formula, FormulaError, Measure as FormulaMeasure, Node, Operator, Scope,
 };

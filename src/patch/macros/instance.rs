@@ -14,56 +14,66 @@ use crate::patch::document::Placed;
 use crate::patch::fields::Findings;
 use crate::patch::names::{outlet_name, same_name};
 
+/// An instance that is being written out.
+struct Making<'f, 'm> {
+    /// Its name in the whole patch.
+    name: &'f str,
+    made: &'f Use,
+    of: &'m Macro,
+    /// The section where it stands.
+    around: &'f Frame<'m>,
+}
+
 impl Written<'_> {
     /// The names of an instance's elements, written out; `feeds` are those of the section where it stands.
     pub fn instance(
         &mut self,
-        frame: &Frame<'_>,
-        flat: &str,
+        around: &Frame<'_>,
+        name: &str,
         made: &Use,
         feeds: &mut Feeds,
         findings: &mut Findings,
     ) -> Vec<String> {
-        if frame.span.is_none() {
-            findings.extend(outlet_name(flat, made.span, "element"));
+        if around.span.is_none() {
+            findings.extend(outlet_name(name, made.span, "element"));
         }
-        let Some((name, of)) = frame.section.macros.usable(&made.of.value) else {
-            self.lose(flat.to_owned(), frame, findings);
+        let Some((macro_name, of)) = around.section.macros.usable(&made.of.value) else {
+            self.lose(name.to_owned(), around, findings);
             return Vec::new();
         };
+        let making = Making { name, made, of, around };
         let inside = Frame {
-            prefix: format!("{flat}."),
-            section: frame.section.inside(name, of),
-            drivers: self.drivers(frame, flat, made, of, findings),
-            span: frame.span.or(Some(made.span)),
+            prefix: format!("{name}."),
+            section: around.section.inside(macro_name, of),
+            drivers: self.drivers(&making, findings),
+            span: around.span.or(Some(made.span)),
         };
         // It stands before the instances inside it; what they feed is known only after them.
-        let instance = self.empty_box(frame, &inside, made, of, findings);
-        self.instances.insert(flat.to_owned(), instance);
+        let instance = self.empty_box(&making, &inside, findings);
+        self.instances.insert(name.to_owned(), instance);
         let (members, inner) = self.section(&inside, findings);
-        pass_on(frame, made, &inner, feeds);
-        let instance = &mut self.instances[flat];
+        making.pass_on(&inner, feeds);
+        let instance = &mut self.instances[name];
         instance.members.clone_from(&members);
-        instance.inputs = inlets(frame, &inside, made, of, inner);
+        instance.inputs = making.inlets(&inside, inner);
         members
     }
 
     /// An instance without its elements.
     fn empty_box(
         &mut self,
-        frame: &Frame<'_>,
+        making: &Making<'_, '_>,
         inside: &Frame<'_>,
-        made: &Use,
-        of: &Macro,
         findings: &mut Findings,
     ) -> Instance {
+        let Making { made, of, around, .. } = making;
         let instance = Instance {
             of: made.of.value.clone(),
-            around: frame.span.map(|_| frame.name().to_owned()),
+            around: around.span.map(|_| around.name().to_owned()),
             note: made.note.clone(),
             inputs: IndexMap::new(),
             outputs: self.outputs(inside, of, findings),
-            settings: self.settings(frame, inside, made, of, findings),
+            settings: self.settings(making, inside, findings),
             members: Vec::new(),
             span: made.span,
         };
@@ -74,12 +84,10 @@ impl Written<'_> {
     /// What drives the input ports.
     fn drivers<'m>(
         &self,
-        frame: &Frame<'m>,
-        flat: &str,
-        made: &Use,
-        of: &'m Macro,
+        making: &Making<'_, 'm>,
         findings: &mut Findings,
     ) -> HashMap<&'m str, Option<String>> {
+        let Making { name, made, of, .. } = making;
         let mut drivers = HashMap::new();
         for (port, description) in &of.inputs {
             let cords = made.cords.get(port);
@@ -87,12 +95,12 @@ impl Written<'_> {
                 [] if made.doubtful || KEYS.contains(&port.as_str()) => None,
                 [] => {
                     let span = cords.map_or(made.span, |cords| cords.span);
-                    findings.push(undriven(flat, port, &description.value, span));
+                    findings.push(undriven(name, port, &description.value, span));
                     None
                 }
-                [only] => self.port_driver(frame, flat, only, findings),
+                [only] => self.port_driver(making, only, findings),
                 [first, second, ..] => {
-                    findings.push(tied(flat, port, first, second));
+                    findings.push(tied(name, port, first, second));
                     None
                 }
             };
@@ -104,21 +112,21 @@ impl Written<'_> {
     /// What drives a port. Cords inside macros were looked at there.
     fn port_driver(
         &self,
-        frame: &Frame<'_>,
-        flat: &str,
+        making: &Making<'_, '_>,
         cord: &Placed<String>,
         findings: &mut Findings,
     ) -> Option<String> {
-        if frame.span.is_none() {
-            match frame.section.meaning(&cord.value) {
+        let Making { name, around, .. } = making;
+        if around.span.is_none() {
+            match around.section.meaning(&cord.value) {
                 Meaning::Inside(inside) => findings.push(inside.told(cord)),
                 Meaning::Unknown if !self.patch.lost.may_hold(&cord.value) => {
-                    findings.push(frame.section.told_missing(flat, cord, "the patch", findings.len()));
+                    findings.push(around.section.told_missing(name, cord, "the patch", findings.len()));
                 }
                 _ => {}
             }
         }
-        frame.driver(&cord.value)
+        around.driver(&cord.value)
     }
 
     /// The elements that the output ports are; cords, signals and records find them by the ports' names.
@@ -153,17 +161,16 @@ impl Written<'_> {
     /// The settings of an instance, as they are written there or by default.
     fn settings(
         &mut self,
-        frame: &Frame<'_>,
+        making: &Making<'_, '_>,
         inside: &Frame<'_>,
-        made: &Use,
-        of: &Macro,
         findings: &mut Findings,
     ) -> IndexMap<String, InstanceSetting> {
+        let Making { made, of, around, .. } = making;
         let mut settings = IndexMap::new();
         for (name, row) in &of.settings {
             let written = made.settings.get(name);
             let value = match written {
-                Some(written) => written.as_ref().map(|placed| frame.placed(placed)),
+                Some(written) => written.as_ref().map(|placed| around.placed(placed)),
                 None => row.default.clone(),
             };
             if let (Some(value), Some(unit)) = (value, row.unit.clone()) {
@@ -180,33 +187,29 @@ impl Written<'_> {
     }
 }
 
-/// Where ports of the section drive ports of the instance, they feed what those feed.
-fn pass_on(frame: &Frame<'_>, made: &Use, inner: &Feeds, feeds: &mut Feeds) {
-    for port in made.cords.keys() {
-        if let (Some(outer), Some(fed)) = (outer_port(frame, made, port), inner.get(port)) {
-            feeds.entry(outer.to_owned()).or_default().extend(fed.iter().cloned());
+impl Making<'_, '_> {
+    /// Where ports of the section drive ports of the instance, they feed what those feed.
+    fn pass_on(&self, inner: &Feeds, feeds: &mut Feeds) {
+        for port in self.made.cords.keys() {
+            if let (Some(outer), Some(fed)) = (self.outer_port(port), inner.get(port)) {
+                feeds.entry(outer.to_owned()).or_default().extend(fed.iter().cloned());
+            }
         }
     }
-}
 
-/// The port of the section that is plugged into a port of the instance.
-fn outer_port<'f>(frame: &'f Frame<'_>, made: &'f Use, port: &str) -> Option<&'f str> {
-    made.cords.get(port)?.value.first().and_then(|cord| frame.port(&cord.value))
-}
+    /// The port of the section that is plugged into a port of the instance.
+    fn outer_port(&self, port: &str) -> Option<&str> {
+        self.made.cords.get(port)?.value.first().and_then(|cord| self.around.port(&cord.value))
+    }
 
-fn inlets(
-    frame: &Frame<'_>,
-    inside: &Frame<'_>,
-    made: &Use,
-    of: &Macro,
-    mut feeds: Feeds,
-) -> IndexMap<String, Inlet> {
-    let inlet = |port: &String| {
-        let driver = inside.drivers.get(port.as_str()).cloned().flatten();
-        let outer = outer_port(frame, made, port).map(str::to_owned);
-        (port.clone(), Inlet { driver, port: outer, feeds: feeds.remove(port).unwrap_or_default() })
-    };
-    of.inputs.keys().map(inlet).collect()
+    fn inlets(&self, inside: &Frame<'_>, mut feeds: Feeds) -> IndexMap<String, Inlet> {
+        let inlet = |port: &String| {
+            let driver = inside.drivers.get(port.as_str()).cloned().flatten();
+            let outer = self.outer_port(port).map(str::to_owned);
+            (port.clone(), Inlet { driver, port: outer, feeds: feeds.remove(port).unwrap_or_default() })
+        };
+        self.of.inputs.keys().map(inlet).collect()
+    }
 }
 
 /// Bytes of an instance's drivers, outputs and settings.

@@ -1,0 +1,148 @@
+//! Patches read from files and texts, and written to files.
+
+use std::fs;
+use std::io::Read as _;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::code::Code;
+use super::decode;
+use super::diagnostic::{Diagnostic, Report, Span};
+use super::document::Patch;
+use super::table_file;
+use super::tree;
+use crate::output::write_whole;
+
+/// Why a patch file could not be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum PatchError {
+    /// The file system refused.
+    #[error("cannot {verb} {file}: {source}")]
+    File {
+        /// What was tried.
+        verb: &'static str,
+        /// The file.
+        file: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The text is not a JSON object.
+    #[error(transparent)]
+    Text(#[from] Box<Report>),
+}
+
+impl Patch {
+    /// Reads a patch from a file.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is larger than 16 MB or no JSON object. What is wrong inside the object is found by
+    /// [`Circuit::new`](crate::circuit::Circuit::new), all of it at once.
+    pub fn read(path: &Path) -> Result<Patch, PatchError> {
+        let file = path.display().to_string();
+        let bytes =
+            read(path).map_err(|source| PatchError::File { verb: "read", file: file.clone(), source })?;
+        if bytes.len() > LARGEST {
+            return Err(too_large(&file).into());
+        }
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let at = error.utf8_error().valid_up_to();
+            let readable = String::from_utf8_lossy(error.as_bytes()).into_owned();
+            let finding =
+                Diagnostic::at(Code::Syntax, Span { start: at, end: at }, "the file is not UTF-8 text")
+                    .hint("save it with the encoding UTF-8");
+            Box::new(Report::new(&file, &readable, vec![finding]))
+        })?;
+        Ok(Patch::parse_in(path.parent().unwrap_or(Path::new("")), &file, &text)?)
+    }
+
+    /// Reads a patch from a text; `file` is the name that reports give it, and tables in files are looked for from
+    /// its folder.
+    ///
+    /// # Errors
+    /// When the text is not a JSON object, or is longer than 16 MB.
+    pub fn parse(file: &str, text: &str) -> Result<Patch, Box<Report>> {
+        Patch::parse_in(Path::new(file).parent().unwrap_or(Path::new("")), file, text)
+    }
+
+    /// The same, with tables in files looked for from another folder; an empty one is the working directory.
+    ///
+    /// # Errors
+    /// Those of [`Patch::parse`].
+    pub fn parse_in(folder: &Path, file: &str, text: &str) -> Result<Patch, Box<Report>> {
+        if text.len() > LARGEST {
+            return Err(too_large(file));
+        }
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let fail = |finding| Box::new(Report::new(file, text, vec![finding]));
+        let root = tree::parse(text).map_err(fail)?;
+        let mut patch = Patch::empty(file, text, root.to_value());
+        decode::document(&root, &mut patch).map_err(fail)?;
+        table_file::read_all(&mut patch, folder);
+        Ok(patch)
+    }
+
+    /// Makes a patch from a JSON value; its text is the value printed.
+    ///
+    /// # Errors
+    /// When the value is not an object.
+    pub fn from_value(file: &str, value: &Value) -> Result<Patch, Box<Report>> {
+        Patch::parse(file, &format!("{value:#}\n"))
+    }
+
+    /// Writes the text to a file: beside it first, then renamed.
+    ///
+    /// # Errors
+    /// When the file system refuses; the file is then as it was.
+    pub fn write(&self, path: &Path) -> Result<(), PatchError> {
+        write_whole(path, self.text().as_bytes()).map_err(|source| PatchError::File {
+            verb: "write",
+            file: path.display().to_string(),
+            source,
+        })
+    }
+}
+
+/// Bytes of the largest document that is read: the tree of a text takes a hundred times its room.
+pub(super) const LARGEST: usize = 16_000_000;
+
+/// The bytes of a file; of one that is too large, no more than shows it.
+fn read(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    fs::File::open(path)?.take(LARGEST as u64 + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+fn too_large(file: &str) -> Box<Report> {
+    let message = format!("the document has more than {} MB", LARGEST / 1_000_000);
+    let finding = Diagnostic::at(Code::Syntax, Span::default(), message)
+        .hint("no patch needs that much: is it the right file?");
+    Box::new(Report::new(file, "", vec![finding]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_key_order_survive_the_value() {
+        let text = r#"{"patchcord": 1, "z": 1.50, "a": 45e6, "m": 0.1000000000000000055}"#;
+        let patch = Patch::parse("p.json", text).unwrap();
+        assert_eq!(
+            patch.value().to_string(),
+            r#"{"patchcord":1,"z":1.50,"a":45e6,"m":0.1000000000000000055}"#
+        );
+        let again = Patch::from_value("p.json", patch.value()).unwrap();
+        assert_eq!(again.value(), patch.value());
+    }
+
+    #[test]
+    fn a_document_beyond_reason_is_refused_unread() {
+        let text = format!("[{}1]", "1,".repeat(LARGEST / 2));
+        let report = Patch::parse("p.json", &text).unwrap_err();
+        assert!(report.to_string().contains("more than 16 MB"), "{report}");
+        let file = tempfile::NamedTempFile::new().unwrap();
+        fs::write(file.path(), &text).unwrap();
+        assert!(matches!(Patch::read(file.path()), Err(PatchError::Text(_))));
+    }
+}
