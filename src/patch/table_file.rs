@@ -1,12 +1,13 @@
 //! Points that stand in a CSV file instead of the patch.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use super::code::Code;
 use super::csv_rows::{self, Fault, Rows, Told, excerpt};
 use super::decode_curve::{Mirror, Points, curve_of, points_of};
 use super::diagnostic::{Diagnostic, Span};
-use super::document::{Amount, Entry, Patch, Placed};
+use super::document::{Amount, Patch, Placed};
 use super::fields::{Fields, Findings, word};
 use super::tree::Node;
 use super::units::Unit;
@@ -46,41 +47,73 @@ pub(super) fn asked(
     Some(TableFile { setting, file: file?, columns, purpose, span: node.span })
 }
 
+/// The tables of a patch hold no more points than this, however often one is used.
+const MOST_POINTS: usize = 10_000_000;
+
 /// Reads every file that the drives and elements of a patch ask for, from a folder.
 pub(super) fn read_all(patch: &mut Patch, folder: &Path) {
     let scales = &patch.scales;
-    let mut findings = Findings::new();
+    let mut files = Files { folder, read: HashMap::new(), room: Some(MOST_POINTS) };
     for entry in patch.drives.values_mut().chain(patch.elements.values_mut()) {
         let scale = entry.scale.as_ref().and_then(|scale| scales.get(&scale.value));
-        let unit = scale.map(|scale| scale.unit.clone());
         for asked in std::mem::take(&mut entry.files) {
-            read(&asked, folder, unit.as_ref(), entry, &mut findings);
-        }
-    }
-    // The instances of a macro ask for the same file: what is wrong with it is told once.
-    for finding in findings {
-        if !patch.findings.contains(&finding) {
-            patch.findings.push(finding);
+            let points = files.points(&asked, scale.map(|scale| &scale.unit), &mut patch.findings);
+            entry.settings[asked.setting] =
+                points.map(|points| Placed { value: Amount::Points(points), span: asked.span });
         }
     }
 }
 
-fn read(asked: &TableFile, folder: &Path, unit: Option<&Unit>, entry: &mut Entry, findings: &mut Findings) {
-    let path = folder.join(&asked.file.value);
-    let names = asked.columns.each_ref().map(|column| column.as_ref().map(|name| name.value.as_str()));
-    let rows = csv_rows::read(&path, names).and_then(|rows| asked.in_units(rows, unit, &path));
-    let points = match rows {
-        Ok(rows) => asked.judged(rows, &path, findings),
-        Err(faults) => {
-            findings.extend(faults.into_iter().map(|fault| asked.diagnostic(fault)));
-            None
+/// Files that are being read.
+struct Files<'f> {
+    folder: &'f Path,
+    /// What was read, by the place that asks for it: the instances of a macro share it.
+    read: HashMap<Span, Option<Vec<[f64; 2]>>>,
+    /// Points that the patch may still hold; `None` once that many were asked for.
+    room: Option<usize>,
+}
+
+impl Files<'_> {
+    /// The points that a place asks for.
+    fn points(
+        &mut self,
+        asked: &TableFile,
+        unit: Option<&Unit>,
+        findings: &mut Findings,
+    ) -> Option<Vec<[f64; 2]>> {
+        let room = self.room?;
+        let read = self.read.entry(asked.span).or_insert_with(|| asked.read(self.folder, unit, findings));
+        let points = read.as_ref()?;
+        self.room = room.checked_sub(points.len());
+        if self.room.is_none() {
+            let message = format!("the tables of the patch hold more than {MOST_POINTS} points together");
+            let hint = "record less often, or use one table in fewer places";
+            findings.push(Diagnostic::at(Code::BadTable, asked.span, message).hint(hint));
+            return None;
         }
-    };
-    entry.settings[asked.setting] =
-        points.map(|points| Placed { value: Amount::Points(points), span: asked.span });
+        Some(points.clone())
+    }
 }
 
 impl TableFile {
+    /// Bytes of its texts.
+    pub(super) fn size(&self) -> usize {
+        let texts = self.columns.iter().flatten().chain([&self.file]);
+        texts.map(|text| text.value.len()).sum()
+    }
+
+    fn read(&self, folder: &Path, unit: Option<&Unit>, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
+        let path = folder.join(&self.file.value);
+        let names = self.columns.each_ref().map(|column| column.as_ref().map(|name| name.value.as_str()));
+        match csv_rows::read(&path, names).and_then(|rows| self.in_units(rows, unit, &path)) {
+            Ok(rows) => self.judged(rows, &path, findings),
+            Err(faults) => {
+                findings.extend(faults.into_iter().map(|fault| self.diagnostic(fault)));
+                None
+            }
+        }
+    }
+
     fn diagnostic(&self, fault: Fault) -> Diagnostic {
         let named = fault.axis.and_then(|axis| self.columns[axis].as_ref());
         let span = named.map_or(self.file.span, |name| name.span);

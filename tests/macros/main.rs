@@ -2,6 +2,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod size;
 mod written_out;
 
 use common::{circuit, element, patch, program, random_cases, slideway, voltage, volts};

@@ -15,6 +15,7 @@ use crate::patch::file::LARGEST;
 use crate::patch::formula::Formula;
 use crate::patch::names::same_name;
 use crate::patch::phase::Phase;
+use crate::patch::table_file::TableFile;
 
 /// Puts the elements of a document into the patch, instances of macros written out.
 pub(in crate::patch) fn write_out(
@@ -128,6 +129,8 @@ pub(super) struct Written<'p> {
 
 /// What an element or a port takes beside its names, in bytes.
 pub(super) const OVERHEAD: usize = 50;
+/// What a point of a table takes, in bytes.
+const POINT: usize = 32;
 
 impl<'p> Written<'p> {
     fn of(
@@ -247,12 +250,16 @@ impl<'p> Written<'p> {
     }
 }
 
-/// Bytes of an element's cords and formulas.
+/// Bytes of an element's note, cords, parts, formulas, points and files.
 fn size(entry: &Entry) -> usize {
     let plugs = entry.plugs.iter().map(|plug| plug.jack.value.len() + plug.from.value.len());
-    let formulas = entry.settings.iter().flatten().map(|setting| match &setting.value {
+    let empty = entry.empty_jacks.iter().map(|jack| jack.value.len() + OVERHEAD);
+    let parts = entry.uses.iter().flat_map(|(_, names)| names).map(|name| name.value.len() + OVERHEAD);
+    let settings = entry.settings.iter().flatten().map(|setting| match &setting.value {
         Amount::Formula(formula) => formula.text().len(),
+        Amount::Points(points) => POINT * points.len(),
         _ => 0,
     });
-    plugs.chain(formulas).sum()
+    let files = entry.files.iter().map(TableFile::size);
+    entry.note.len() + plugs.chain(empty).chain(parts).chain(settings).chain(files).sum::<usize>()
 }
