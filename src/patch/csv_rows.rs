@@ -192,17 +192,14 @@ impl Reader<'_> {
         };
         let mut found = fields.iter().enumerate().filter(|(_, field)| *field == name).map(|(place, _)| place);
         let (first, second) = (found.next(), found.next());
-        if first.is_none() || second.is_some() {
-            let has = if first.is_none() { "has no column" } else { "has more than one column" };
-            let hint = match first {
-                Some(_) => "give every column a name of its own".to_owned(),
-                None => told_names(name, fields),
-            };
-            let message = format!("{} {has} \"{name}\"", self.path.display());
-            self.faults.push(Fault { axis: Some(axis), ..Fault::new(message, hint) });
-            return None;
-        }
-        first
+        let (what, hint) = match first {
+            Some(_) if second.is_none() => return first,
+            Some(_) => ("names more than one column", "give every column a name of its own".to_owned()),
+            None => ("names no column", told_names(name, fields)),
+        };
+        let message = format!("line {} of {} {what} \"{name}\"", self.number, self.path.display());
+        self.faults.push(Fault { axis: Some(axis), ..Fault::new(message, hint) });
+        None
     }
 
     fn row(&mut self, columns: Columns, fields: &[String]) {
@@ -252,7 +249,7 @@ impl Reader<'_> {
 /// Columns that a name may be meant for. Of a file that is no table little is shown.
 fn told_names(name: &str, fields: &[String]) -> String {
     let is_name = |field: &&str| {
-        let is_sign = |sign: char| !(sign.is_alphanumeric() || " _.-()[]/%".contains(sign));
+        let is_sign = |sign: char| !(sign.is_alphanumeric() || "_.-()[]/%".contains(sign));
         field.len() <= LONGEST_EXCERPT && !field.contains(is_sign)
     };
     let known: Vec<_> = fields.iter().map(String::as_str).collect();
