@@ -7,7 +7,7 @@ use indexmap::IndexMap;
 use super::code::Code;
 use super::decode_entry::entry;
 use super::decode_run::run;
-use super::diagnostic::{Diagnostic, Span};
+use super::diagnostic::{Diagnostic, Span, any_error};
 use super::document::{FORMAT_VERSION, Parameter, Patch, PictureSpec, Placed, Scale, Signal};
 use super::fields::{Fields, Findings, list, number, positive, word, words, wrong_type};
 use super::formula::Formula;
@@ -57,8 +57,19 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     patch.lost.section = has_lost_section(&fields);
     fields.finish(all);
     macros::write_out(macros, elements, patch, all);
+    if patch.elements.is_empty() && patch.drives.is_empty() && !any_error(all) {
+        all.push(empty(root));
+    }
     patch.findings = findings;
     Ok(())
+}
+
+fn empty(root: &Node) -> Diagnostic {
+    let opening = Span { start: root.span.start, end: root.span.start + 1 };
+    let hint = "write \"elements\": {\"A1\": {\"kind\": \"summer\", \"in\": {\"x1\": [\"+100\"]}}}, or begin with \
+                `patchcord new`";
+    Diagnostic::at(Code::MissingKey, opening, "the patch has neither elements nor drives: nothing can run")
+        .hint(hint)
 }
 
 /// The sections in which other parts of the document look for names.
