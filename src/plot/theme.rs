@@ -45,6 +45,11 @@ const CORDS: [(RGBColor, RGBColor); 8] = [
     (RGBColor(150, 85, 40), RGBColor(215, 155, 110)),
 ];
 
+impl Ink {
+    /// So many colours cords of a patch panel have.
+    pub const CORDS: usize = CORDS.len();
+}
+
 impl Theme {
     pub(super) fn colour(self, ink: Ink) -> RGBColor {
         let (light, dark) = match ink {

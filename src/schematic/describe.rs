@@ -1,7 +1,6 @@
 //! From the circuit to symbols and lists.
 
 use super::lists::{List, Row};
-use super::shapes;
 use super::symbol::{Jack, Outlet, Setting, Source, Symbol, Value, digits, share};
 use super::view::{Item, View};
 use crate::circuit::{Circuit, Cord, Element};
@@ -221,9 +220,13 @@ pub(super) fn machine_line(circuit: &Circuit) -> String {
     }
 }
 
-/// The lists below a drawing: settings that the symbols leave out, drives, signals, notes. Symbols come with what their
+/// The lists below a drawing: settings that it does not tell, drives, signals, notes. Symbols come with what their
 /// names begin with.
-pub(super) fn lists(circuit: &Circuit, symbols: &[(&str, &Symbol)]) -> Vec<List> {
+pub(super) fn lists(
+    circuit: &Circuit,
+    symbols: &[(&str, &Symbol)],
+    tells: fn(&Symbol, &Setting) -> bool,
+) -> Vec<List> {
     let is_drive = |symbol: &Symbol| symbol.shape.starts_with("drive-");
     let elements = symbols.iter().filter(|(_, symbol)| !is_drive(symbol));
     let drives = symbols.iter().filter(|(_, symbol)| is_drive(symbol));
@@ -231,7 +234,7 @@ pub(super) fn lists(circuit: &Circuit, symbols: &[(&str, &Symbol)]) -> Vec<List>
     let note =
         |(prefix, symbol): &(&str, &Symbol)| Row::new(&format!("{prefix}{}", symbol.name), "", &symbol.note);
     let lists = [
-        ("Settings", elements.flat_map(|(prefix, symbol)| setting_rows(prefix, symbol)).collect()),
+        ("Settings", elements.flat_map(|(prefix, symbol)| setting_rows(prefix, symbol, tells)).collect()),
         ("Drives", drives.map(|(_, drive)| drive_row(circuit, drive)).collect()),
         ("Signals", signal_rows(circuit)),
         ("Notes", notes.map(note).collect::<Vec<_>>()),
@@ -240,16 +243,18 @@ pub(super) fn lists(circuit: &Circuit, symbols: &[(&str, &Symbol)]) -> Vec<List>
     lists.filter(|list| !list.rows.is_empty()).collect()
 }
 
-/// Settings that come of formulas, and those that the patch gives and the symbol does not write.
-fn setting_rows<'a>(prefix: &'a str, symbol: &'a Symbol) -> impl Iterator<Item = Row> + 'a {
-    let written = shapes::written(symbol);
-    let told = symbol.settings.iter().filter(move |setting| {
-        setting.formula.is_some() || setting.is_given && !written.contains(&setting.name.as_str())
-    });
-    told.map(move |setting| setting_row(prefix, symbol, setting))
+/// Settings that come of formulas, and those that the drawing does not tell.
+fn setting_rows<'a>(
+    prefix: &'a str,
+    symbol: &'a Symbol,
+    tells: fn(&Symbol, &Setting) -> bool,
+) -> impl Iterator<Item = Row> + 'a {
+    let listed =
+        symbol.settings.iter().filter(move |setting| setting.formula.is_some() || !tells(symbol, setting));
+    listed.map(move |setting| setting_row(prefix, symbol, setting))
 }
 
-pub(super) fn setting_row(prefix: &str, symbol: &Symbol, setting: &Setting) -> Row {
+fn setting_row(prefix: &str, symbol: &Symbol, setting: &Setting) -> Row {
     let name = match setting.name.as_str() {
         "setting" | "closed" => format!("{prefix}{}", symbol.name),
         other => format!("{prefix}{} {other}", symbol.name),

@@ -7,6 +7,7 @@ use super::diagram::{Diagram, Plan};
 use super::heading::{self, Heading};
 use super::layout::Point;
 use super::lists::{self, List};
+use super::shapes;
 use super::view::{Show, View};
 use crate::circuit::Circuit;
 use crate::plot::{Drawing, Ink, Stroke};
@@ -108,7 +109,7 @@ impl Schematic {
         let named = views.iter().zip(&plans);
         let named =
             named.flat_map(|(view, plan)| plan.symbols().iter().map(|symbol| (&*view.prefix, symbol)));
-        let lists = describe::lists(circuit, &named.collect::<Vec<_>>());
+        let lists = describe::lists(circuit, &named.collect::<Vec<_>>(), shapes::tells);
         let patch = circuit.patch();
         let width = heading::width(plans.iter().map(|plan| plan.size().0).fold(0.0, f64::max), &patch.title);
         let heading =

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use super::describe;
 use super::heading::{self, Heading};
 use super::layout::Point;
+use super::lists::{self, List};
 use super::sheet::DrawError;
 use super::symbol::{Source, Symbol};
 use super::view::{Show, View};
@@ -25,6 +26,8 @@ pub struct Board {
     pub cords: Vec<Cord>,
     /// Headings of the rows of modules, with their places.
     rows: Vec<(String, Point)>,
+    /// Lists below the panel: settings that the modules leave out, drives, signals, notes.
+    pub lists: Vec<List>,
     size: (f64, f64),
 }
 
@@ -50,14 +53,23 @@ pub struct Cord {
     pub from: String,
     /// Name of the element that it goes to.
     pub to: String,
+    /// The input that it goes into.
+    pub input: String,
+    /// The gain of its jack, where jacks of the input have gains.
+    pub gain: Option<f64>,
     /// Where it is plugged in, output first.
     pub ends: [Point; 2],
-    /// Number of its colour: cords from one output have one.
+    /// Its way from plug to plug.
+    pub points: Vec<Point>,
+    /// Number of its colour: cords from one output have one, those near each other different ones where that is possible.
     pub colour: usize,
 }
 
 /// Room around the panel.
 const MARGIN: f64 = 28.0;
+
+/// Room below the panel, in which low cords sag, above the lists.
+const SAGGING: f64 = 44.0;
 
 /// Said under every panel.
 const ARRANGED: &str = "layout of the panel arranged by us: that of the machine is not known";
@@ -75,17 +87,34 @@ impl Board {
         let width = heading::width(panel::WIDTH, title);
         let heading = Heading::new(title, &[&machine, note], width);
         let laid = panel::lay(circuit, &symbols, (MARGIN, MARGIN + heading.height()));
-        let cords = cords(&symbols, &laid);
-        Ok(Board { heading, modules: laid.modules, cords, rows: laid.rows, size: (width, laid.bottom) })
+        let mut cords = cords(&symbols, &laid);
+        let named: Vec<_> = symbols.iter().map(|symbol| ("", symbol)).collect();
+        let lists = describe::lists(circuit, &named, panel::tells);
+        let size = (width, laid.bottom + SAGGING);
+        let board = Board { heading, modules: laid.modules, cords: vec![], rows: laid.rows, lists, size };
+        board.hang(&mut cords);
+        Ok(Board { cords, ..board })
+    }
+
+    /// Lays the cords past what stands on the empty panel.
+    fn hang(&self, cords: &mut [Cord]) {
+        let mut marks = self.heading.draw((MARGIN, MARGIN));
+        panel::draw(&self.modules, &mut marks);
+        panel::draw_texts(&self.modules, &self.rows, &mut marks);
+        let mut floor = cords::Floor::new((self.size.0 + 2.0 * MARGIN, self.size.1), &marks);
+        cords.iter_mut().for_each(|cord| cord.points = floor.hang(cord.ends));
+        cords::colour(cords);
     }
 
     /// The drawing of the board.
     pub fn drawing(&self) -> Drawing {
         let mut marks = self.heading.draw((MARGIN, MARGIN));
-        panel::draw(&self.modules, &self.rows, &mut marks);
+        panel::draw(&self.modules, &mut marks);
         self.cords.iter().for_each(|cord| cords::draw(cord, &mut marks));
-        panel::draw_texts(&self.modules, &mut marks);
-        Drawing { width: self.size.0 + 2.0 * MARGIN, height: self.size.1 + MARGIN, marks }
+        panel::draw_texts(&self.modules, &self.rows, &mut marks);
+        let (listed, bottom) = lists::draw(&self.lists, (MARGIN, self.size.1 + MARGIN), self.size.0);
+        marks.extend(listed);
+        Drawing { width: self.size.0 + 2.0 * MARGIN, height: bottom + MARGIN, marks }
     }
 
     /// Modules with their places, and cords with their ends.
@@ -102,7 +131,14 @@ impl Board {
         };
         let cord = |cord: &Cord| {
             let ends = cord.ends.iter().map(|at| json!([at.0, at.1])).collect::<Value>();
-            json!({"from": cord.from, "to": cord.to, "ends": ends, "colour": cord.colour})
+            json!({
+                "from": cord.from,
+                "to": cord.to,
+                "jack": cord.input,
+                "gain": cord.gain,
+                "ends": ends,
+                "colour": cord.colour,
+            })
         };
         json!({
             "modules": self.modules.iter().map(module).collect::<Value>(),
@@ -116,15 +152,15 @@ fn cords(symbols: &[Symbol], laid: &panel::Laid) -> Vec<Cord> {
     let mut taken = vec![0; laid.modules.len()];
     let mut cords = Vec::new();
     for (reader, symbol) in symbols.iter().enumerate() {
-        for (jack, plugged) in symbol.jacks.iter().enumerate() {
-            let (from, module) = match plugged.from {
+        for (number, jack) in symbol.jacks.iter().enumerate() {
+            let (from, module) = match jack.from {
                 Source::Output(index, _) => (symbols[index].name.clone(), laid.module_of[index]),
                 Source::Reference(name) => (name.to_owned(), laid.reference(name)),
             };
-            let to = &laid.modules[laid.module_of[reader]];
-            let ends = [laid.modules[module].outputs[taken[module]], to.inputs[jack].1];
+            let ends = [laid.modules[module].outputs[taken[module]], laid.plugs[&(reader, number)]];
             taken[module] += 1;
-            cords.push(Cord { from, to: symbol.name.clone(), ends, colour: module });
+            let (to, input) = (symbol.name.clone(), jack.input.clone());
+            cords.push(Cord { from, to, input, gain: jack.gain, ends, points: vec![], colour: 0 });
         }
     }
     cords

@@ -1,19 +1,21 @@
 //! The panel: rows of modules with their jacks.
 
+use std::collections::BTreeMap;
+
 use super::Module;
 use crate::circuit::Circuit;
 use crate::machines::Part;
 use crate::plot::{Align, Area, Ink, Label, Stroke, text_within};
 use crate::schematic::layout::Point;
 use crate::schematic::shapes::{NAME, PRINT, SMALL};
-use crate::schematic::symbol::{Jack, Source, Symbol};
+use crate::schematic::symbol::{Jack, Setting, Source, Symbol, Value};
 
 /// Width of the panel.
 pub(super) const WIDTH: f64 = 1080.0;
 
 /// Distance of jacks, room above the first one of a module, and of the jacks from its edge.
-const PITCH: f64 = 15.0;
-const HEAD: f64 = 34.0;
+const PITCH: f64 = 21.0;
+const HEAD: f64 = 40.0;
 const INSET: f64 = 11.0;
 
 /// Room between modules, and for the heading of a row.
@@ -23,8 +25,10 @@ const ROW_HEAD: f64 = 18.0;
 /// The panel laid out.
 pub(super) struct Laid {
     pub modules: Vec<Module>,
-    /// For every symbol the module that its cords go into.
+    /// For every symbol the module that its cords leave from.
     pub module_of: Vec<usize>,
+    /// Where the cord into a jack of a symbol is plugged in.
+    pub plugs: BTreeMap<Plug, Point>,
     pub rows: Vec<(String, Point)>,
     pub bottom: f64,
     references: Vec<(&'static str, usize)>,
@@ -37,12 +41,16 @@ impl Laid {
     }
 }
 
+/// A jack, by the indices of the symbol and of the jack in it.
+type Plug = (usize, usize);
+
 /// A module before it has a place.
 #[derive(Default)]
 struct Wanted {
     name: String,
     note: String,
-    inputs: Vec<String>,
+    /// What stands beside its input jacks, and which jack each is, where a cord can go into it.
+    inputs: Vec<(String, Option<Plug>)>,
     outputs: usize,
     symbol: Option<usize>,
     reference: Option<&'static str>,
@@ -70,6 +78,7 @@ pub(super) fn lay(circuit: &Circuit, symbols: &[Symbol], corner: Point) -> Laid 
     let mut laid = Laid {
         modules: vec![],
         module_of: vec![0; symbols.len()],
+        plugs: BTreeMap::new(),
         rows: vec![],
         bottom: corner.1,
         references: vec![],
@@ -132,10 +141,9 @@ fn shelf(circuit: &Circuit, symbols: &[Symbol], readers: &[usize], part: Part) -
                 .join(" ");
             modules.push(module);
         }
-        modules.extend(helpers.map(|number| Wanted {
-            name: names.get(number).cloned().unwrap_or_default(),
-            note: format!("of {}", symbol.name),
-            ..Wanted::default()
+        modules.extend(helpers.map(|number| {
+            let name = names.get(number).cloned().unwrap_or_default();
+            helper(symbol, index, (part, number), name)
         }));
     }
     let owned = circuit.machine().count(part).unwrap_or(modules.len());
@@ -146,33 +154,75 @@ fn shelf(circuit: &Circuit, symbols: &[Symbol], readers: &[usize], part: Part) -
     Shelf { heading: part.noun(), across, modules }
 }
 
+/// A part that helps an element: it has the jack that is its own, and is set like the element where it is one of its sort.
+fn helper(symbol: &Symbol, index: usize, place: (Part, usize), name: String) -> Wanted {
+    let mut module = Wanted { name, note: format!("of {}", symbol.name), ..Wanted::default() };
+    let jack =
+        own_jack(symbol, place).and_then(|input| symbol.jacks.iter().position(|jack| jack.input == input));
+    if let Some(jack) = jack {
+        module.inputs = vec![("in".to_owned(), None), (jack_label(&symbol.jacks[jack]), Some((index, jack)))];
+        module.note = format!("{} {}", noted(symbol).map_or("", |setting| &setting.shown), module.note);
+    }
+    module
+}
+
+/// Jacks that lie on a part that helps: shape of the element, sort of the part and its number, input.
+const OWN_JACKS: &[(&str, (Part, usize), &str)] = &[
+    // The second track of the dead zone has a bias of its own (Fig 8.5 (c) of the thesis).
+    ("diode-dead-zone", (Part::FreePot, 1), "bias_minus"),
+];
+
+fn own_jack(symbol: &Symbol, place: (Part, usize)) -> Option<&'static str> {
+    let own = OWN_JACKS.iter().find(|(shape, at, _)| *shape == symbol.shape && *at == place);
+    own.map(|(.., input)| *input)
+}
+
 /// The jacks of a part that nothing is plugged into.
-fn spare_jacks(circuit: &Circuit, part: Part) -> Vec<String> {
+fn spare_jacks(circuit: &Circuit, part: Part) -> Vec<(String, Option<Plug>)> {
     let gains = match part {
         Part::Summer => circuit.machine().summer_gains,
         Part::Integrator => circuit.machine().integrator_gains,
-        _ => return vec![String::new()],
+        Part::FreePot => return vec![(String::new(), None); 2],
+        _ => return vec![(String::new(), None)],
     };
-    gains.iter().map(|gain| format!("{gain}")).collect()
+    gains.iter().map(|gain| (format!("{gain}"), None)).collect()
 }
 
-/// The module that the cords of an element go into.
-fn main_module(symbol: &Symbol, index: usize, readers: usize) -> Wanted {
-    let label = |jack: &Jack| match jack.gain {
+/// What stands beside a jack.
+fn jack_label(jack: &Jack) -> String {
+    match jack.gain {
         Some(gain) if jack.input == "x" => format!("{gain}"),
         Some(gain) => format!("{} {gain}", jack.input.trim_end_matches("_x")),
         None => jack.input.replace("bias_plus", "+VB").replace("bias_minus", "−VB"),
-    };
-    let note = ["setting", "initial", "limit.upper"].iter().find_map(|name| symbol.setting(name));
-    let note = note.map(|setting| match setting.name.as_str() {
+    }
+}
+
+/// The setting that is written on the module of an element.
+fn noted(symbol: &Symbol) -> Option<&Setting> {
+    ["setting", "initial", "limit.upper"].iter().find_map(|name| symbol.setting(name))
+}
+
+/// Whether a module tells a setting, or may leave it out: a number that the patch does not give.
+pub(super) fn tells(symbol: &Symbol, setting: &Setting) -> bool {
+    let is_number = matches!(setting.value, Value::Number(_));
+    noted(symbol).is_some_and(|noted| noted.name == setting.name) || is_number && !setting.is_given
+}
+
+/// The module that the cords of an element leave from.
+fn main_module(symbol: &Symbol, index: usize, readers: usize) -> Wanted {
+    let note = noted(symbol).map(|setting| match setting.name.as_str() {
         "initial" => format!("IC {}", setting.shown),
         "limit.upper" => format!("≤ {}", setting.shown),
         _ => setting.shown.clone(),
     });
+    let is_elsewhere = |jack: &Jack| {
+        OWN_JACKS.iter().any(|(shape, _, input)| *shape == symbol.shape && *input == jack.input)
+    };
+    let jacks = symbol.jacks.iter().enumerate().filter(|(_, jack)| !is_elsewhere(jack));
     Wanted {
         name: symbol.name.clone(),
         note: note.unwrap_or_default(),
-        inputs: symbol.jacks.iter().map(label).collect(),
+        inputs: jacks.map(|(number, jack)| (jack_label(jack), Some((index, number)))).collect(),
         outputs: readers.max(1),
         symbol: Some(index),
         reference: None,
@@ -204,23 +254,23 @@ impl Laid {
             self.module_of[symbol] = self.modules.len();
         }
         self.references.extend(wanted.reference.map(|name| (name, self.modules.len())));
-        let jack = |x: f64, number: usize| (x, top + HEAD + 4.0 + PITCH * number as f64);
+        let jack = |x: f64, number: usize| (x, top + HEAD + 5.0 + PITCH * number as f64);
+        let plugs = wanted.inputs.iter().enumerate();
+        let plugs = plugs.filter_map(|(number, (_, plug))| Some(((*plug)?, jack(left + INSET, number))));
+        self.plugs.extend(plugs);
         let inputs = wanted.inputs.into_iter().enumerate();
         self.modules.push(Module {
             name: wanted.name,
             note: wanted.note,
             corners: [(left, top), (left + width, top + height)],
-            inputs: inputs.map(|(number, name)| (name, jack(left + INSET, number))).collect(),
+            inputs: inputs.map(|(number, (name, _))| (name, jack(left + INSET, number))).collect(),
             outputs: (0..wanted.outputs).map(|number| jack(left + width - INSET, number)).collect(),
         });
     }
 }
 
 /// Draws modules and jacks without their texts.
-pub(super) fn draw(modules: &[Module], rows: &[(String, Point)], marks: &mut Vec<Stroke>) {
-    for (heading, at) in rows {
-        marks.push(Stroke::Text(text(heading, *at, PRINT, Align::Start, Ink::Signal)));
-    }
+pub(super) fn draw(modules: &[Module], marks: &mut Vec<Stroke>) {
     for module in modules {
         let [(left, top), (right, bottom)] = module.corners;
         let corners = vec![(left, top), (right, top), (right, bottom), (left, bottom)];
@@ -234,31 +284,34 @@ pub(super) fn draw(modules: &[Module], rows: &[(String, Point)], marks: &mut Vec
     }
 }
 
-/// Writes names, settings and gains on plates in front of the cords.
-pub(super) fn draw_texts(modules: &[Module], marks: &mut Vec<Stroke>) {
+/// Writes headings, names, settings and gains on plates in front of the cords.
+pub(super) fn draw_texts(modules: &[Module], rows: &[(String, Point)], marks: &mut Vec<Stroke>) {
+    for (heading, at) in rows {
+        plate(text(heading, *at, PRINT, Align::Start, Ink::Signal), Ink::Page, marks);
+    }
     for module in modules {
         let [(left, top), (right, _)] = module.corners;
         let (middle, room) = ((left + right) / 2.0, right - left - 8.0);
         let name = text_within(&module.name, NAME, room);
-        plate(text(&name, (middle, top + 14.0), NAME, Align::Middle, Ink::Line), marks);
+        plate(text(&name, (middle, top + 14.0), NAME, Align::Middle, Ink::Line), Ink::Body, marks);
         let note = text_within(&module.note, SMALL, room);
-        plate(text(&note, (middle, top + 26.0), SMALL, Align::Middle, Ink::Soft), marks);
+        plate(text(&note, (middle, top + 26.0), SMALL, Align::Middle, Ink::Soft), Ink::Body, marks);
         for (name, at) in &module.inputs {
-            let label = text_within(name, SMALL, room / 2.0);
-            plate(text(&label, (at.0 + 7.0, at.1 + 3.4), SMALL, Align::Start, Ink::Line), marks);
+            let label = text_within(name, SMALL, room * 0.6);
+            plate(text(&label, (at.0 - 5.0, at.1 - 7.5), SMALL, Align::Start, Ink::Line), Ink::Body, marks);
         }
     }
 }
 
 /// A text on a small plate.
-fn plate(label: Label, marks: &mut Vec<Stroke>) {
+fn plate(label: Label, ink: Ink, marks: &mut Vec<Stroke>) {
     if label.text.is_empty() {
         return;
     }
     let Area { left, top, right, bottom } = label.area();
     let (left, right) = (left - 1.0, right + 2.0);
     let corners = vec![(left, top), (right, top), (right, bottom), (left, bottom)];
-    marks.push(Stroke::Area { corners, ink: Ink::Body });
+    marks.push(Stroke::Area { corners, ink });
     marks.push(Stroke::Text(label));
 }
 

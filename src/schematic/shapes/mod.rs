@@ -9,7 +9,7 @@ mod network;
 mod ports;
 mod switching;
 
-use super::symbol::{Source, Symbol};
+use super::symbol::{Setting, Source, Symbol};
 use crate::plot::{Align, Area, Ink, text_width};
 
 pub(super) use art::{Art, CORD, NAME, PRINT, SMALL};
@@ -67,9 +67,10 @@ pub(super) fn draw(symbol: &Symbol) -> Art {
     art
 }
 
-/// The settings that a symbol writes.
-pub(super) fn written(symbol: &Symbol) -> &'static [&'static str] {
-    SHAPES.iter().find(|(name, ..)| *name == symbol.shape).map_or(&[], |(.., written)| written)
+/// Whether a symbol tells a setting, or may leave it out because the patch does not give it.
+pub(super) fn tells(symbol: &Symbol, setting: &Setting) -> bool {
+    let row = SHAPES.iter().find(|(name, ..)| *name == symbol.shape);
+    !setting.is_given || row.is_some_and(|(.., written)| written.contains(&setting.name.as_str()))
 }
 
 /// How many of its first jacks are equal in rights.
