@@ -5,7 +5,7 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use common::{patch, program, ran, slideway};
+use common::{built, element, patch, program, ran, slideway, volts};
 use patchcord::patch::Patch;
 use patchcord::program::Program;
 
@@ -37,6 +37,21 @@ fn lesson(stem: &str) -> Patch {
     Patch::read(format!("patches/lessons/{stem}.json").as_ref()).unwrap()
 }
 
+/// A triangle that a function generator bends, smoothed by a lag that it drives to its limit and back.
+fn lag_and_generator() -> Program {
+    let points = serde_json::json!([[0.0, 0.0], [20.0, 60.0], [80.0, 90.0]]);
+    let triangle = element("triangle").set("amplitude", 80).set("frequency", 2);
+    let bent = element("function-generator").cord("in", "u").set("points", points).set("symmetry", "odd");
+    let smoothed = element("lag").cords("x2", ["F"]).set("time", 0.05);
+    built(
+        volts("lag and function generator")
+            .drive("u", "volt", triangle)
+            .element("F", bent)
+            .element("L", smoothed)
+            .signal("l", "L", "volt", 1.0),
+    )
+}
+
 /// Allocations of so many steps, after a step to warm up.
 fn allocations(program: &Program, step: f64, steps: usize) -> usize {
     let mut machine = ran(program, step, step);
@@ -57,6 +72,7 @@ fn steps_allocate_nothing() {
         ("relay-oscillator", program(&patch("relay-oscillator"), &[]), 1e-2),
         ("integrator-limit", program(&patch("integrator-limit"), &[]), 1e-2),
         ("memory", program(&patch("memory"), &[]), 1e-3),
+        ("lag and function generator", lag_and_generator(), 1e-3),
         ("square-root-and-division", program(&lesson("square-root-and-division"), &[]), 1e-3),
     ];
     for (name, program, step) in &cases {

@@ -12,7 +12,7 @@ use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let patch = Patch::read(Path::new("patches/thesis/fig-8-16.json"))?;
+    let patch = Patch::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("patches/thesis/fig-8-16.json"))?;
     let circuit = Circuit::new(&patch, &[("VcL".to_owned(), 5.08e-3)])?;
     let program = Program::new(&circuit)?;
     let settings = RunSettings { every: 2e-4, ..RunSettings::of(&circuit)?.lasting(2.0) };
@@ -29,8 +29,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let specs = circuit.picture_specs(["v_o"].into_iter());
     let picture = instruments::picture(&trace, &specs[0], None)?;
-    let file = Path::new("target/velocity-profile.svg");
-    write_whole(file, &render(&[picture], Format::from_path(file)?, Size::default())?)?;
+    let file = std::env::temp_dir().join("velocity-profile.svg");
+    write_whole(&file, &render(&[picture], Format::from_path(&file)?, Size::default())?)?;
     println!("wrote {}", file.display());
     Ok(())
 }

@@ -9,7 +9,7 @@ use patchcord::program::Program;
 use patchcord::solve::Machine;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let patch = Patch::read(Path::new("patches/thesis/fig-8-16.json"))?;
+    let patch = Patch::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("patches/thesis/fig-8-16.json"))?;
     let circuit = Circuit::new(&patch, &[("v_start".to_owned(), 1e-3), ("v_rate".to_owned(), 0.0)])?;
     let program = Program::new(&circuit)?;
     let mut machine = Machine::new(&program, 2e-5)?;

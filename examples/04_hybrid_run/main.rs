@@ -1,7 +1,6 @@
 //! Looks for the muzzle velocity that hits a target: shots flown until they land, each corrected by the one before.
 
 use std::error::Error;
-use std::path::Path;
 
 use patchcord::circuit::Circuit;
 use patchcord::instruments;
@@ -37,8 +36,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let specs = circuit.picture_specs(["y"].into_iter());
     let picture = instruments::picture(&trace, &specs[0], None)?;
-    let file = Path::new("target/shots.svg");
-    write_whole(file, &render(&[picture], Format::from_path(file)?, Size::default())?)?;
+    let file = std::env::temp_dir().join("shots.svg");
+    write_whole(&file, &render(&[picture], Format::from_path(&file)?, Size::default())?)?;
     println!("wrote {}", file.display());
     Ok(())
 }

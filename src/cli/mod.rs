@@ -42,7 +42,7 @@ enum Command {
     Check(check::Arguments),
     /// Run a patch: readings, a table, scope pictures
     Run(run::Arguments),
-    /// Draw the schematic of a patch
+    /// Draw the schematic of a patch, or the patch panel with its cords
     Draw(draw::Arguments),
     /// List the computing elements and drives, or tell all about one
     Elements(elements::Arguments),

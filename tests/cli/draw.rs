@@ -82,26 +82,6 @@ fn a_later_instant_wants_a_run_that_can_be_made() {
     }
 }
 
-/// Arguments and the picture of the documents that they make.
-const PICTURES: [(&[&str], &str); 2] =
-    [(&[], "docs/pictures/fig-8-16.schematic.svg"), (&["--board"], "docs/pictures/fig-8-16.board.svg")];
-
-#[test]
-fn the_pictures_of_the_page_are_fresh() {
-    let folder = tempfile::tempdir().unwrap();
-    for (options, stored) in PICTURES {
-        let fresh = path(&folder, "fresh.svg");
-        let arguments = [&["draw", FIG_8_16, "--plot", &fresh], options].concat();
-        assert_eq!(code(&patchcord(&arguments)), 0);
-        let fresh = fs::read(&fresh).unwrap();
-        if std::env::var_os("PATCHCORD_BLESS").is_some() {
-            fs::write(stored, &fresh).unwrap();
-        }
-        let hint = "PATCHCORD_BLESS=1 cargo test --test cli rewrites it";
-        assert!(fs::read(stored).unwrap_or_default() == fresh, "{stored} is stale: {hint}");
-    }
-}
-
 #[test]
 fn a_board_shows_no_voltages() {
     let refused = patchcord(&["draw", FIG_8_16, "--board", "--values", "--json"]);

@@ -7,6 +7,7 @@ mod macros;
 mod man;
 mod new;
 mod phases;
+mod pictures;
 
 use std::fs;
 use std::path::Path;

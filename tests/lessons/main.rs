@@ -11,6 +11,7 @@ mod heat_rod;
 mod lorenz;
 mod mass_and_spring;
 mod mathieu;
+mod page;
 mod predator_and_prey;
 mod projectile;
 mod relay_thermostat;

@@ -250,6 +250,7 @@ fn the_page_tells_what_is_measured() {
     check_page("profile", &profile_table(&profiles));
     let records = COMMANDS.map(|command| CIRCUITS.map(|(stem, _)| steady(stem, command)));
     check_page("steady", &steady_table(&records));
+    check_text(&[steady_sentences(&records), vec![profile_sentence(&profiles)]].concat());
     for [dead_zone, brake] in &records {
         check_dead_zone(dead_zone);
         check_brake(brake);
@@ -259,6 +260,52 @@ fn the_page_tells_what_is_measured() {
         // Two samples of the falling command: where nothing stands still, both are one circuit.
         assert!(off.abs() < 2.5e-6, "{off}");
     }
+}
+
+/// How much one value is off another, in per cent.
+fn off(one: f64, other: f64) -> String {
+    shown((one / other - 1.0).abs(), 1e-2, 0)
+}
+
+/// What the text takes from the table of even commands.
+fn steady_sentences([slowest, slow, _, fast, fastest]: &[[Record; 2]; 5]) -> Vec<String> {
+    let stands = |record: &Record| shown(record.share(|row| record.velocity[row] == 0.0), 1e-2, 0);
+    let slips = |record: &Record| shown(record.slips_per_second(), 1.0, 1);
+    let slips_off = |pair: &[Record; 2]| off(pair[0].slips_per_second(), pair[1].slips_per_second());
+    let peak_off = |pair: &[Record; 2]| off(most(&pair[0].velocity), most(&pair[1].velocity));
+    let error = |record: &Record| shown(mean(&record.error), 1e-6, 1);
+    let (takes, gives) = friction_power(0, &slow[0]);
+    vec![
+        format!(
+            "for {} % of the time at 0.2 mm/s and for {} % at 4",
+            stands(&slowest[1]),
+            stands(&fastest[1])
+        ),
+        format!("at 0.2 mm/s for {} µm in one go", shown(slowest[0].way_back(), 1e-6, 2)),
+        format!("gives back {} of the {} mW", shown(gives, 1e-3, 0), shown(takes, 1e-3, 0)),
+        format!("{} slips a second instead of {} at 0.2", slips(&slowest[0]), slips(&slowest[1])),
+        format!("{} instead of {} at 0.5", slips(&slow[0]), slips(&slow[1])),
+        format!("the brake slips every {} ms", shown(1.0 / slow[1].slips_per_second(), 1e-3, 0)),
+        format!("{} µm at 0.5 mm/s, where the brake has {}", error(&slow[0]), error(&slow[1])),
+        format!("({} % at 2 mm/s, {} % at 4)", slips_off(fast), slips_off(fastest)),
+        format!("peaks ({} % and {} %)", peak_off(fast), peak_off(fastest)),
+    ]
+}
+
+/// What the text takes from the table of the ramp.
+fn profile_sentence(profiles: &[Profile; 2]) -> String {
+    let rising = THRESHOLDS.map(|threshold| [0, 1].map(|circuit| profiles[circuit].rising(threshold)));
+    let higher = rising.map(|[dead_zone, brake]| brake - dead_zone);
+    let share = rising.map(|[dead_zone, brake]| brake / dead_zone - 1.0);
+    let [least, most] = [least(&higher), most(&higher)].map(|off| shown(off, 1e-3, 2));
+    format!("{least} or {most} mm/s ({} %) higher", shown(mean(&share), 1e-2, 1))
+}
+
+/// Holds sentences against the page's text.
+fn check_text(sentences: &[String]) {
+    let page = fs::read_to_string(PAGE).unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
+    let missing: Vec<_> = sentences.iter().filter(|sentence| !page.contains(*sentence)).collect();
+    assert!(missing.is_empty(), "{PAGE} does not say: {missing:#?}");
 }
 
 /// Nothing stands still, friction pushes, and inside the mass coasts on viscous friction alone.

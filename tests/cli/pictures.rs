@@ -1,0 +1,32 @@
+//! The pictures of the documents are what the commands draw.
+
+use std::fs;
+
+use super::{FIG_8_16, code, patchcord, path};
+
+const COULOMB: &str = "patches/thesis/fig-8-16-coulomb.json";
+const BOTH: &str = "patches/thesis/fig-8-16-both.json";
+
+/// Commands and the pictures that they draw; those of lessons are held fresh by `tests/lessons`.
+const PICTURES: [(&[&str], &str); 5] = [
+    (&["run", FIG_8_16], "fig-8-16.svg"),
+    (&["run", COULOMB], "fig-8-16-coulomb.svg"),
+    (&["run", BOTH], "fig-8-16-both.svg"),
+    (&["draw", FIG_8_16], "fig-8-16.schematic.svg"),
+    (&["draw", FIG_8_16, "--board"], "fig-8-16.board.svg"),
+];
+
+#[test]
+fn the_pictures_of_the_documents_are_fresh() {
+    let folder = tempfile::tempdir().unwrap();
+    for (command, name) in PICTURES {
+        let fresh = path(&folder, name);
+        assert_eq!(code(&patchcord(&[command, &["--plot", &fresh]].concat())), 0);
+        let (stored, fresh) = (format!("docs/pictures/{name}"), fs::read(&fresh).unwrap());
+        if std::env::var_os("PATCHCORD_BLESS").is_some() {
+            fs::write(&stored, &fresh).unwrap();
+        }
+        let hint = "PATCHCORD_BLESS=1 cargo test --test cli rewrites it";
+        assert!(fs::read(&stored).unwrap_or_default() == fresh, "{stored} is stale: {hint}");
+    }
+}
