@@ -7,7 +7,7 @@ use std::fs;
 use std::sync::LazyLock;
 
 use patchcord::circuit::Circuit;
-use patchcord::elements::Jacks;
+use patchcord::elements::{Default, Jacks};
 use patchcord::machines::Part;
 use patchcord::patch::Patch;
 use patchcord::plot::{Ink, Label, Stroke};
@@ -200,10 +200,15 @@ fn every_setting_that_a_patch_gives_stands_on_the_sheet() {
             board.lists.iter().flat_map(|list| &list.rows).map(|row| row.name.clone()).collect();
         let names = &circuit.patch().elements;
         for element in circuit.elements().into_iter().filter(|element| names.contains_key(&element.name)) {
-            let given =
-                element.kind.settings.iter().zip(&element.settings).filter(|(_, given)| given.is_some());
-            for (setting, _) in given {
-                let is_noted = ["setting", "initial", "limit.upper"].contains(&setting.name);
+            let settings = || element.kind.settings.iter().zip(&element.settings);
+            let is_set = |name: &str| {
+                settings().any(|(row, given)| {
+                    row.name == name && (given.is_some() || matches!(row.default, Default::Number(_)))
+                })
+            };
+            let noted = ["setting", "initial", "limit.upper"].into_iter().find(|name| is_set(name));
+            for (setting, _) in settings().filter(|(_, given)| given.is_some()) {
+                let is_noted = noted == Some(setting.name);
                 let name = format!("{} {}", element.name, setting.name);
                 let is_listed =
                     rows.contains(&name) || setting.name == "closed" && rows.contains(&element.name);
