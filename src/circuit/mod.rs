@@ -4,6 +4,7 @@ mod inventory;
 mod loops;
 mod macros;
 mod names;
+mod parameters;
 mod phases;
 mod resolve;
 mod scaling;

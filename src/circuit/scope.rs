@@ -7,9 +7,10 @@ use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::macros;
+use super::parameters::parameters;
 use crate::patch::{
-    Code, Diagnostic, Dimension, Formula, FormulaMeasure, InstanceSetting, Lost, Parameter, Patch, Placed,
-    Scale, Scope, Span, TIME_SCALE, Unit, in_formula, misfit, suggestion, told,
+    Code, Diagnostic, Dimension, Formula, FormulaMeasure, InstanceSetting, Lost, Patch, Placed, Scale, Scope,
+    Span, TIME_SCALE, Unit, in_formula, misfit,
 };
 
 /// Values and units of everything that formulas may name.
@@ -27,11 +28,12 @@ pub struct Quantities {
     lost: Lost,
 }
 
+/// What formulas may name.
 #[derive(Debug, Clone)]
-struct Named {
-    unit: Unit,
+pub(super) struct Named {
+    pub unit: Unit,
     /// In SI; `None` where it could not be worked out, which has been reported.
-    value: Option<f64>,
+    pub value: Option<f64>,
 }
 
 impl Quantities {
@@ -367,49 +369,4 @@ impl Scope for Varied<'_> {
     fn names(&self) -> Vec<&str> {
         self.quantities.names()
     }
-}
-
-fn parameters(
-    patch: &Patch,
-    changes: &[(String, f64)],
-    findings: &mut Vec<Diagnostic>,
-) -> IndexMap<String, Named> {
-    let known: Vec<&str> = patch.parameters.keys().map(String::as_str).collect();
-    for (name, _) in changes.iter().filter(|(name, _)| !patch.parameters.contains_key(name)) {
-        let message = format!("there is no parameter {name} to set");
-        findings.push(Diagnostic::nowhere(Code::UnknownName, message).maybe_hint(suggestion(name, &known)));
-    }
-    let named = patch.parameters.iter().map(|(name, parameter)| {
-        let change = changes.iter().rev().find(|(changed, _)| changed == name).map(|(_, value)| *value);
-        let value = change.unwrap_or(parameter.value);
-        let place = change.is_none().then_some(parameter.value_span);
-        let fine = in_range(name, value, parameter, place, findings);
-        let value = fine.then(|| parameter.unit.to_si(value));
-        (name.clone(), Named { unit: parameter.unit.clone(), value })
-    });
-    named.collect()
-}
-
-fn in_range(
-    name: &str,
-    value: f64,
-    parameter: &Parameter,
-    span: Option<Span>,
-    findings: &mut Vec<Diagnostic>,
-) -> bool {
-    let unit = Some(parameter.unit.text()).filter(|unit| *unit != "1").map(|unit| format!(" {unit}"));
-    let unit = unit.unwrap_or_default();
-    if !parameter.unit.to_si(value).is_finite() {
-        let message = format!("{name} is set to {value}{unit}, which cannot be reckoned with");
-        let hint = Some("every number of a patch must be finite".to_owned());
-        findings.push(Diagnostic { code: Code::NotFinite, span, message, hint });
-        return false;
-    }
-    let outside = parameter.range.filter(|(low, high)| value < *low || value > *high);
-    let Some((low, high)) = outside else { return true };
-    let [value, low, high] = [value, low, high].map(told);
-    let message = format!("{name} = {value}{unit} is outside its range {low} ... {high}{unit}");
-    let hint = "widen the range in the patch if the circuit can take it".to_owned();
-    findings.push(Diagnostic { code: Code::OutsideRange, span, message, hint: Some(hint) });
-    false
 }
