@@ -13,7 +13,7 @@ use super::{say, say_json};
 use patchcord::circuit::Circuit;
 use patchcord::patch::{Placed, RunPlan, Span};
 use patchcord::plot::{Drawing, Format, Theme, render_drawing};
-use patchcord::schematic::{Board, DrawError, Schematic};
+use patchcord::schematic::{Board, Schematic};
 use patchcord::solve::{self, Machine, MachineMode, RunError, RunSettings};
 
 #[derive(Args)]
@@ -61,7 +61,7 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     let theme = if arguments.dark { Theme::Dark } else { Theme::Light };
     for (path, format) in &files {
         let bytes = render_drawing(&drawing, *format, theme);
-        put(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
+        put(path, &bytes.map_err(|error| arguments.refused(&error))?)?;
     }
     if arguments.patch.json {
         return say_json(&drawing_document(&loaded, data, &files));
@@ -90,7 +90,8 @@ impl Arguments {
     /// The drawing, and its data under their name.
     fn drawn(&self, loaded: &Loaded) -> Result<(Drawing, (&'static str, Value)), Failure> {
         if self.board {
-            let board = Board::new(&loaded.circuit, &parameter_line(&loaded.circuit)).map_err(too_many)?;
+            let board = Board::new(&loaded.circuit, &parameter_line(&loaded.circuit));
+            let board = board.map_err(|error| self.refused(&error))?;
             return Ok((board.drawing(), ("board", board.to_json())));
         }
         let schematic = self.schematic(loaded)?;
@@ -105,7 +106,17 @@ impl Arguments {
         let volts =
             |name: &str| machine.as_ref().and_then(|machine: &Machine<'_>| machine.voltage(name).ok());
         let schematic = if self.open { Schematic::opened } else { Schematic::new };
-        schematic(&loaded.circuit, &notes.join("; "), &volts).map_err(too_many)
+        schematic(&loaded.circuit, &notes.join("; "), &volts).map_err(|error| self.refused(&error))
+    }
+
+    /// What cannot be drawn, and what may help.
+    fn refused(&self, error: &dyn std::error::Error) -> Failure {
+        let advice = match self {
+            Arguments { board: true, .. } => "the schematic, without --board, may have room",
+            Arguments { open: true, .. } => "without --open, macros are drawn as boxes",
+            _ => "put parts of the patch into macros, which are drawn as boxes, or draw a part of it",
+        };
+        Failure::data(format!("{error}; {advice}"))
     }
 }
 
@@ -122,7 +133,7 @@ fn machine_at(loaded: &Loaded, seconds: f64) -> Result<Machine<'_>, Failure> {
             progress.step(time);
         }
     });
-    machine.map_err(|error| refused(&error))
+    machine.map_err(|error| no_instant(&error))
 }
 
 /// One initial condition and so many seconds; nothing is recorded.
@@ -134,14 +145,14 @@ fn run_until(plan: &RunPlan, seconds: f64, circuit: &Circuit) -> Result<RunSetti
     }
     let duration = Some(Placed { value: seconds, span: Span::default() });
     let plan = RunPlan { duration, ..plan.clone() };
-    let settings = RunSettings::new(&plan, circuit).map_err(|error| refused(&error))?;
+    let settings = RunSettings::new(&plan, circuit).map_err(|error| no_instant(&error))?;
     let settings = RunSettings { every: seconds, record: vec![], ..settings }.lasting(seconds);
-    settings.check().map_err(|error| refused(&error))?;
+    settings.check().map_err(|error| no_instant(&error))?;
     Ok(settings)
 }
 
 /// What the error says, and what helps.
-fn refused(error: &RunError) -> Failure {
+fn no_instant(error: &RunError) -> Failure {
     let advice = match error {
         RunError::Missing(_) => ": write {\"step\": SECONDS} there to draw the voltages of a later time",
         RunError::LongerThanRun { .. } => ": ask --values for a later time",
@@ -160,10 +171,6 @@ fn instant_told(machine: &Machine<'_>, seconds: f64) -> String {
         _ if seconds > 0.0 => format!("voltages at t = {seconds} s"),
         _ => "voltages at initial condition".to_owned(),
     }
-}
-
-fn too_many(error: DrawError) -> Failure {
-    Failure::data(error.to_string())
 }
 
 fn drawing_document(loaded: &Loaded, (name, data): (&str, Value), files: &[(PathBuf, Format)]) -> Value {

@@ -151,7 +151,13 @@ impl Drawing {
             Err(PlotError::TooLarge {
                 width,
                 height,
-                advice: if sides_fit { ", but as SVG it can" } else { "" },
+                limit: match sides_fit {
+                    true => format!(
+                        "a PNG has at most {:.0} million pixels; as SVG it can",
+                        Self::MOST_PIXELS / 1e6
+                    ),
+                    false => format!("a side has at most {} pixels", Self::LONGEST),
+                },
             })
         }
     }

@@ -25,14 +25,14 @@ pub enum PlotError {
         pictures: usize,
     },
     /// A line drawing is larger than can be drawn.
-    #[error("a drawing of {width:.0} x {height:.0} pixels cannot be drawn{advice}")]
+    #[error("a drawing of {width:.0} x {height:.0} pixels cannot be drawn: {limit}")]
     TooLarge {
         /// Pixels across.
         width: f64,
         /// Pixels down.
         height: f64,
-        /// What can be done instead.
-        advice: &'static str,
+        /// What is the most.
+        limit: String,
     },
     /// An axis has no finite range, or a number of divisions that cannot be drawn.
     #[error("axis `{label}`: {low} to {high} in {divisions} divisions cannot be drawn")]

@@ -45,7 +45,7 @@ pub struct Opened {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DrawError {
     /// More symbols than a person could find their way in.
-    #[error("{count} elements and drives are too many for one sheet: {most} can be drawn", most = Schematic::MOST)]
+    #[error("{count} symbols are too many for one sheet: {most} can be drawn", most = Schematic::MOST)]
     TooMany {
         /// How many there are.
         count: usize,
@@ -67,8 +67,8 @@ const RULE: f64 = 14.0;
 const ABOVE: f64 = 20.0;
 
 impl Schematic {
-    /// The most elements and drives that are drawn on a sheet.
-    pub const MOST: usize = 2000;
+    /// The most symbols that are drawn on a sheet.
+    pub const MOST: usize = 1000;
 
     /// The schematic of a circuit: instances of macros as boxes, and below it every macro once, opened. `volts`
     /// tells the voltages to be written at outputs, `note` is small print.

@@ -112,3 +112,34 @@ fn macros_are_boxes_or_opened() {
     assert_eq!(names(&open["symbols"]).len(), 15);
     assert_eq!(open["macros"], serde_json::json!([]));
 }
+
+/// A summer with as many inputs as wanted, behind a chain of pots.
+fn wide_and_tall(pots: usize, inputs: usize) -> String {
+    let pot = |index: usize| {
+        let from = if index == 0 { "+100".to_owned() } else { format!("P{}", index - 1) };
+        (format!("P{index}"), serde_json::json!({"kind": "pot", "in": from, "setting": 0.5}))
+    };
+    let mut elements: serde_json::Map<_, _> = (0..pots).map(pot).collect();
+    let mut cords = vec!["+100".to_owned(); inputs];
+    cords.push(format!("P{}", pots - 1));
+    elements.insert("B".to_owned(), serde_json::json!({"kind": "summer", "in": {"x1": cords}}));
+    serde_json::json!({"patchcord": 1, "machine": "unlimited", "elements": elements}).to_string()
+}
+
+#[test]
+fn what_is_too_large_for_a_sheet_is_told_with_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let patch = path(&folder, "large.json");
+    for (pots, inputs, ending, told) in [
+        (1000, 1, "svg", "1001 symbols are too many for one sheet: 1000 can be drawn; put parts"),
+        (1, 4000, "svg", "a side has at most 60000 pixels; put parts of the patch into macros"),
+        (40, 3500, "png", "a PNG has at most 100 million pixels; as SVG it can"),
+    ] {
+        fs::write(&patch, wide_and_tall(pots, inputs)).unwrap();
+        let drawing = path(&folder, &format!("large.{ending}"));
+        let refused = patchcord(&["draw", &patch, "--plot", &drawing]);
+        assert_eq!(code(&refused), 1);
+        assert!(errors(&refused).contains(told), "{}", errors(&refused));
+        assert!(!Path::new(&drawing).exists());
+    }
+}

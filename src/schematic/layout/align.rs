@@ -30,11 +30,11 @@ type Wish = (f64, f64);
 /// Gives every item its height.
 pub(super) fn align(graph: &Graph, sheet: &mut Sheet) {
     for row in 0..sheet.rows.len() {
-        let mut aligner = Aligner { graph, sheet, row };
+        let mut aligner = Aligner::new(graph, sheet, row);
         aligner.stack();
         let layers = aligner.sheet.rows[row].layers.len();
         let mut best = (f64::INFINITY, Vec::new());
-        for _ in 0..PASSES {
+        for _ in 0..aligner.sheet.rows[row].rounds(PASSES) {
             (0..layers).for_each(|layer| aligner.settle(layer, true, false));
             (0..layers).rev().for_each(|layer| aligner.settle(layer, false, true));
             (0..layers).for_each(|layer| aligner.settle(layer, true, true));
@@ -56,9 +56,19 @@ struct Aligner<'a> {
     graph: &'a Graph,
     sheet: &'a mut Sheet,
     row: usize,
+    /// Places of all items of the row in their layers.
+    places: Vec<usize>,
 }
 
-impl Aligner<'_> {
+impl<'a> Aligner<'a> {
+    fn new(graph: &'a Graph, sheet: &'a mut Sheet, row: usize) -> Aligner<'a> {
+        let mut places = vec![0; sheet.rows[row].items.len()];
+        for layer in &sheet.rows[row].layers {
+            layer.iter().enumerate().for_each(|(place, item)| places[*item] = place);
+        }
+        Aligner { graph, sheet, row, places }
+    }
+
     /// Room that an item takes above or below its anchor.
     fn reach(&self, item: usize, above: bool) -> f64 {
         match self.sheet.rows[self.row].items[item].what {
@@ -139,8 +149,7 @@ impl Aligner<'_> {
         let items = self.layer(layer);
         let wishes = self.wishes(layer, to_left, to_right);
         let closest = self.closest(&items);
-        let reduced = items.iter().zip(&closest).map(|(item, closest)| {
-            let mut own = wishes[*item].clone();
+        let reduced = items.iter().zip(&closest).zip(wishes).map(|((item, closest), mut own)| {
             if own.is_empty() {
                 own.push((self.y(*item), 1e-3));
             }
@@ -152,14 +161,15 @@ impl Aligner<'_> {
         }
     }
 
+    /// What the items of a layer would like, in their order.
     fn wishes(&self, layer: usize, to_left: bool, to_right: bool) -> Vec<Vec<Wish>> {
         let row = &self.sheet.rows[self.row];
-        let mut wishes = vec![Vec::new(); row.items.len()];
+        let mut wishes = vec![Vec::new(); row.layers[layer].len()];
         let mut wish = |mover: Pin, other: Pin| {
             let straight = self.sheet.height(self.graph, self.row, other)
                 - self.sheet.offset(self.graph, self.row, mover);
             let through = [mover, other].iter().filter(|pin| !self.is_node(pin.item)).count();
-            wishes[mover.item].push((straight, WORTH[through]));
+            wishes[self.places[mover.item]].push((straight, WORTH[through]));
         };
         let channels = [(to_left, layer), (to_right, layer + 1)];
         for (_, channel) in channels.into_iter().filter(|(wanted, _)| *wanted) {
@@ -180,11 +190,10 @@ impl Aligner<'_> {
             .iter()
             .filter_map(|trunk| Some((self.sheet.height(self.graph, self.row, trunk.left?), trunk.net)))
             .collect();
-        let items = self.layer(layer);
+        let arriving = self.arriving(layer);
         let mut above: Option<usize> = None;
-        for item in items {
+        for (item, arriving) in self.layer(layer).into_iter().zip(arriving) {
             let least = above.map_or(f64::NEG_INFINITY, |above| self.y(above) + self.distance(above, item));
-            let arriving = self.arriving(layer, item);
             let is_clear = |y: f64| {
                 arriving.iter().all(|(offset, net)| {
                     taken.iter().all(|(at, other)| net == other || (at - y - offset).abs() >= CLEAR)
@@ -198,13 +207,17 @@ impl Aligner<'_> {
         }
     }
 
-    /// Heights of the cords into an item, from its anchor, and their nets.
-    fn arriving(&self, layer: usize, item: usize) -> Vec<(f64, usize)> {
-        let trunks = self.sheet.rows[self.row].channels[layer].iter();
-        let pins = trunks.flat_map(|trunk| trunk.right.iter().map(move |pin| (*pin, trunk.net)));
-        pins.filter(|(pin, _)| pin.item == item)
-            .map(|(pin, net)| (self.sheet.offset(self.graph, self.row, pin), net))
-            .collect()
+    /// For every item of a layer, in order, heights of the cords into it from its anchor, and their nets.
+    fn arriving(&self, layer: usize) -> Vec<Vec<(f64, usize)>> {
+        let row = &self.sheet.rows[self.row];
+        let mut arriving = vec![Vec::new(); row.layers[layer].len()];
+        for trunk in &row.channels[layer] {
+            for pin in &trunk.right {
+                let offset = self.sheet.offset(self.graph, self.row, *pin);
+                arriving[self.places[pin.item]].push((offset, trunk.net));
+            }
+        }
+        arriving
     }
 
     fn begin_at_0(&mut self) {

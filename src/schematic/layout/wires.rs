@@ -64,6 +64,16 @@ pub(super) enum Jack {
     Through,
 }
 
+/// A row with more items is gone through less often.
+const MANY: usize = 20_000;
+
+impl Row {
+    /// How often a row is gone through to better it, of so many times; a very large one twice.
+    pub fn rounds(&self, most: usize) -> usize {
+        (most * MANY / self.items.len().max(MANY)).max(2)
+    }
+}
+
 impl Sheet {
     pub fn new(graph: &Graph, cells: &[Cell]) -> Sheet {
         let count = cells.iter().map(|cell| cell.row + 1).max().unwrap_or(0);
