@@ -3,10 +3,12 @@
 mod common;
 mod drawn;
 
+use std::collections::BTreeMap;
+
 use common::element;
 use drawn::{check, schematic};
 use patchcord::patch::{Patch, PatchBuilder};
-use patchcord::plot::{Format, Theme, render_drawing};
+use patchcord::plot::{Format, Stroke, Theme, render_drawing};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -38,6 +40,63 @@ fn the_final_circuit_is_drawn_rightly() {
     assert!(["DZ", "0.2537", "PB1 PB2 D1D2"].iter().all(|text| texts.contains(text)), "{texts:?}");
     let v_o = drawn.main.symbols.iter().find(|placed| placed.symbol.name == "B3").unwrap();
     assert_eq!(v_o.symbol.outlets[0].signals, ["v_o"]);
+}
+
+/// Of two circuits under one command each has rows of its own.
+#[test]
+fn circuits_with_common_drives_only_stand_one_below_the_other() {
+    let patch = Patch::read(std::path::Path::new("patches/thesis/fig-8-16-both.json")).unwrap();
+    let drawn = schematic(&common::circuit(&patch, &[]));
+    let of = |prefix: &'static str| {
+        drawn.main.symbols.iter().filter(move |placed| placed.symbol.name.starts_with(prefix))
+    };
+    let lowest = of("D.").map(|placed| placed.area.bottom).fold(0.0, f64::max);
+    assert!(of("B.").count() > 10 && of("B.").all(|placed| placed.area.top > lowest));
+}
+
+/// Rows of a list that are longer than the sheet is wide.
+#[test]
+fn long_texts_stay_on_the_sheet() {
+    let name = |index: usize| format!("a_pot_with_a_name_that_is_far_too_long_to_be_read_{index}");
+    let pot = |index: usize| {
+        let setting = vec!["0.001"; 5 + 20 * (index % 3)].join(" + ");
+        element("pot")
+            .cord("in", "+100")
+            .set("setting", setting)
+            .set("note", "what this pot is for ".repeat(index))
+    };
+    let builder = PatchBuilder::new("long").machine("unlimited").run(1.0, 1e-3);
+    let patch = (0..9).fold(builder, |builder, index| builder.element(&name(index), pot(index))).build();
+    check(&common::circuit(&patch.unwrap(), &[]), "long");
+}
+
+/// A list of fifteen goes on in a second column as long as the first.
+#[test]
+fn columns_of_lists_are_balanced() {
+    let builder = PatchBuilder::new("notes").machine("unlimited").run(1.0, 1e-3);
+    let pot = || element("pot").cord("in", "+100").set("setting", 0.5).set("note", "half");
+    let patch = (0..15).fold(builder, |builder, index| builder.element(&format!("P{index}"), pot())).build();
+    let drawing = schematic(&common::circuit(&patch.unwrap(), &[])).drawing();
+    let notes = drawing.marks.iter().filter_map(|mark| match mark {
+        Stroke::Text(label) if label.text == "half" => Some(label.at),
+        _ => None,
+    });
+    let mut columns: BTreeMap<i64, usize> = BTreeMap::new();
+    notes.for_each(|at| *columns.entry(at.0 as i64).or_default() += 1);
+    let (least, most) = (columns.values().min().unwrap(), columns.values().max().unwrap());
+    assert!(columns.len() > 1 && most - least <= 1, "{columns:?}");
+}
+
+/// The words at jacks of an integrator beside the references in them.
+#[test]
+fn flags_leave_the_words_at_their_jacks_free() {
+    let integrator = element("integrator")
+        .cords("x1", ["+100", "-100"])
+        .cords("gap", ["+100", "ground"])
+        .cords("brake_x10", ["-100"])
+        .set("restitution", 0.5);
+    let patch = PatchBuilder::new("flags").run(1.0, 1e-3).element("A", integrator).build();
+    check(&common::circuit(&patch.unwrap_or_else(|report| panic!("{report}")), &[]), "flags");
 }
 
 #[test]

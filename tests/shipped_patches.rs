@@ -58,9 +58,17 @@ fn shipped_patches_run_without_overload() {
     }
 }
 
+/// Less of no schematic is used: emptiness hides how a circuit hangs together.
+const LEAST_USED: f64 = 0.5;
+
 #[test]
 fn every_shipped_patch_is_drawn() {
     for patch in every_patch() {
-        drawn::check(&circuit(&patch), patch.file());
+        let circuit = circuit(&patch);
+        drawn::check(&circuit, patch.file());
+        for diagram in drawn::diagrams(&drawn::schematic(&circuit)) {
+            let used = drawn::marks::used_share(diagram);
+            assert!(used > LEAST_USED, "{}: {used} of the drawing is used", patch.file());
+        }
     }
 }

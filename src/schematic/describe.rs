@@ -1,7 +1,7 @@
 //! From the circuit to symbols and lists.
 
 use super::lists::{List, Row};
-use super::symbol::{Jack, Outlet, Setting, Source, Symbol, Value, digits, share};
+use super::symbol::{Jack, Outlet, Setting, Source, Symbol, Value, digits, share, volts};
 use super::view::{Item, View};
 use crate::circuit::{Circuit, Cord, Element};
 use crate::elements::{Default, Jacks, Measure, Setting as SettingRow};
@@ -172,10 +172,10 @@ fn preset(circuit: &Circuit, element: &Element, row: &SettingRow) -> Option<Sett
 
 /// The unit of a setting's numbers.
 fn unit(circuit: &Circuit, element: &Element, row: &SettingRow) -> String {
-    let scale = element.scale.map(|scale| circuit.derived_unit(scale).text());
+    let scale = element.scale.map(|scale| circuit.derived_unit(scale));
     match (row.measure, scale) {
-        (Measure::Signal, Some(scale)) => scale.to_owned(),
-        (Measure::SignalRate, Some(scale)) => format!("{scale}/s"),
+        (Measure::Signal, Some(scale)) => scale.text().to_owned(),
+        (Measure::SignalRate, Some(scale)) => scale.per_second().text().to_owned(),
         _ => row.unit().to_owned(),
     }
 }
@@ -195,7 +195,7 @@ fn shown(row: &SettingRow, value: f64, unit: &str) -> String {
         Measure::Fraction => share(value),
         Measure::Ratio => digits(value),
         Measure::Whole => value.to_string(),
-        Measure::Volts => format!("{} V", digits(value)),
+        Measure::Volts => volts(value),
         Measure::MachineSeconds => Display::new("s", value).text(value),
         _ => Display::new(unit, value).text(value),
     }

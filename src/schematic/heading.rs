@@ -22,7 +22,7 @@ const ROW: f64 = 15.0;
 /// Room between the heading and what it stands above.
 const BELOW: f64 = 12.0;
 
-/// A note takes no more lines.
+/// A text takes no more lines.
 const MOST_LINES: usize = 3;
 
 /// The width of a sheet: that of its drawing, and wide enough for the title.
@@ -35,7 +35,7 @@ impl Heading {
         let notes = notes.iter().filter(|note| !note.is_empty());
         Heading {
             title: text_within(title, TITLE, room),
-            lines: notes.flat_map(|note| wrapped(note, room)).collect(),
+            lines: notes.flat_map(|note| wrapped(note, PRINT, room)).collect(),
         }
     }
 
@@ -63,19 +63,19 @@ impl Heading {
 }
 
 /// A text broken into lines between its words; what does not go into the last one is cut.
-fn wrapped(text: &str, room: f64) -> Vec<String> {
+pub(super) fn wrapped(text: &str, size: f64, room: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         let is_full = lines.len() == MOST_LINES;
         match lines.last_mut() {
-            Some(line) if is_full || text_width(&format!("{line} {word}"), PRINT) <= room => {
+            Some(line) if is_full || text_width(&format!("{line} {word}"), size) <= room => {
                 line.push(' ');
                 line.push_str(word);
             }
             _ => lines.push(word.to_owned()),
         }
     }
-    lines.iter().map(|line| text_within(line, PRINT, room)).collect()
+    lines.iter().map(|line| text_within(line, size, room)).collect()
 }
 
 #[cfg(test)]
@@ -84,10 +84,10 @@ mod tests {
 
     #[test]
     fn long_notes_go_on_in_the_next_line_and_are_cut_in_the_last() {
-        let lines = wrapped(&"velocity of the drive ".repeat(40), 300.0);
+        let lines = wrapped(&"velocity of the drive ".repeat(40), PRINT, 300.0);
         assert_eq!(lines.len(), MOST_LINES);
         assert!(lines.iter().all(|line| text_width(line, PRINT) <= 300.0));
         assert!(lines[2].ends_with('…') && !lines[0].contains('…'));
-        assert_eq!(wrapped("short", 300.0), ["short"]);
+        assert_eq!(wrapped("short", PRINT, 300.0), ["short"]);
     }
 }

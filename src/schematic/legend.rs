@@ -1,7 +1,7 @@
 //! All symbols on one sheet.
 
 use super::shapes::{self, PRINT};
-use super::symbol::{Jack, Outlet, Setting, Source, Symbol, Value, digits, share};
+use super::symbol::{Jack, Outlet, Setting, Source, Symbol, Value, digits, share, volts};
 use crate::elements::{Default, Family, Jacks, Kind, Measure, REGISTRY, Setting as SettingRow};
 use crate::plot::{Align, Drawing, Ink, Label, Stroke};
 
@@ -78,7 +78,7 @@ fn setting(row: &SettingRow) -> Option<Setting> {
         Measure::Flag => (Value::Flag(number != 0.0), String::new()),
         Measure::Choice(words) => (Value::Word(words.get(number as usize)?), String::new()),
         Measure::Fraction => (Value::Number(number), share(number)),
-        Measure::Volts => (Value::Number(number), format!("{} V", digits(number))),
+        Measure::Volts => (Value::Number(number), volts(number)),
         Measure::MachineSeconds => (Value::Number(number), format!("{} s", digits(number))),
         Measure::Points | Measure::Curve(_) => (Value::Points(CURVE.to_vec()), String::new()),
         _ => (Value::Number(number), digits(number)),

@@ -1,5 +1,7 @@
 //! What is drawn of a circuit, before it has a place: symbols and what is plugged into them.
 
+use crate::instruments::Display;
+
 /// An element, a drive, an instance of a macro or a port of one, as a drawing shows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Symbol {
@@ -121,8 +123,16 @@ impl Symbol {
 /// A share, as a potentiometer is set: four decimals, more where it is small.
 pub fn share(value: f64) -> String {
     match value.abs() {
-        small if small > 0.0 && small < 0.01 => short(value, 6),
+        small if small > 0.0 && small < 0.01 => digits(value),
         _ => format!("{value:.4}").replace('-', "−"),
+    }
+}
+
+/// A voltage with its unit; what is too small for a voltmeter's scale in thousandths or millionths.
+pub fn volts(value: f64) -> String {
+    match value.abs() {
+        small if small > 0.0 && small < 1e-3 => Display::new("V", value).text(value).replace('-', "−"),
+        _ => format!("{} V", digits(value)),
     }
 }
 
@@ -130,7 +140,10 @@ pub fn share(value: f64) -> String {
 pub fn digits(value: f64) -> String {
     let magnitude = value.abs();
     if value != 0.0 && !(1e-4..1e5).contains(&magnitude) {
-        return format!("{value:.3e}").replace('-', "−");
+        let text = format!("{value:.3e}");
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
+        return format!("{mantissa}e{exponent}").replace('-', "−");
     }
     let decimals = if value == 0.0 { 0.0 } else { 3.0 - magnitude.log10().floor() };
     short(value, decimals.max(0.0) as usize)
@@ -150,8 +163,10 @@ mod tests {
     #[test]
     fn numbers_are_short() {
         let shown = [0.0, 0.25, 1.0, -50.0, 12.345_67, 99.996, 2e5, -0.1, 1234.5].map(digits);
-        assert_eq!(shown, ["0", "0.25", "1", "−50", "12.35", "100", "2.000e5", "−0.1", "1234"]);
-        let shown = [0.0, 0.25, 0.004, 1.0, 0.123_456].map(share);
-        assert_eq!(shown, ["0.0000", "0.2500", "0.004", "1.0000", "0.1235"]);
+        assert_eq!(shown, ["0", "0.25", "1", "−50", "12.35", "100", "2e5", "−0.1", "1234"]);
+        let shown = [0.0, 0.25, 0.004, 1.0, 0.123_456, 4e-7, 1.234_56e-5].map(share);
+        assert_eq!(shown, ["0.0000", "0.2500", "0.004", "1.0000", "0.1235", "4e−7", "1.235e−5"]);
+        let shown = [0.0, -50.0, 0.001, 1e-6, -2.5e-4].map(volts);
+        assert_eq!(shown, ["0 V", "−50 V", "0.001 V", "1 µV", "−250 µV"]);
     }
 }

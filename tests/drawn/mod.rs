@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "every test binary takes what it needs")]
 
 mod boxes;
+pub mod marks;
 
 use std::collections::BTreeSet;
 
@@ -24,10 +25,9 @@ pub fn opened(circuit: &Circuit) -> Schematic {
 pub fn check(circuit: &Circuit, what: &str) {
     let drawn = schematic(circuit);
     for drawn in [&drawn, &opened(circuit)] {
-        for diagram in std::iter::once(&drawn.main).chain(drawn.macros.iter().map(|opened| &opened.diagram)) {
-            check_diagram(diagram, what);
-        }
+        diagrams(drawn).for_each(|diagram| check_diagram(diagram, what));
         no_texts_overlap(drawn, what);
+        marks::nothing_runs_through_texts(drawn, what);
     }
     every_element_once(&opened(circuit).main, circuit, what);
     every_given_setting_is_told(&opened(circuit), circuit, what);
@@ -35,6 +35,11 @@ pub fn check(circuit: &Circuit, what: &str) {
     if circuit.patch().instances.is_empty() {
         assert_eq!(drawn, opened(circuit), "{what}");
     }
+}
+
+/// The circuit and the macros in it.
+pub fn diagrams(drawn: &Schematic) -> impl Iterator<Item = &Diagram> {
+    std::iter::once(&drawn.main).chain(drawn.macros.iter().map(|opened| &opened.diagram))
 }
 
 /// Every setting that the patch gives stands at the symbol or in the lists of the sheet.
@@ -87,6 +92,7 @@ fn check_diagram(drawn: &Diagram, what: &str) {
     every_cord_leads_from_output_to_jack(drawn, what);
     no_cords_share_a_line(drawn, what);
     no_cord_runs_through_a_symbol_or_a_text(drawn, what);
+    marks::check(drawn, what);
 }
 
 fn every_element_once(drawn: &Diagram, circuit: &Circuit, what: &str) {

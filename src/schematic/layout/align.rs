@@ -38,6 +38,7 @@ pub(super) fn align(graph: &Graph, sheet: &mut Sheet) {
             (0..layers).for_each(|layer| aligner.settle(layer, true, false));
             (0..layers).rev().for_each(|layer| aligner.settle(layer, false, true));
             (0..layers).for_each(|layer| aligner.settle(layer, true, true));
+            aligner.squeeze();
             let cost = aligner.cost();
             if cost < best.0 {
                 best = (cost, aligner.heights());
@@ -133,6 +134,52 @@ impl<'a> Aligner<'a> {
         };
         let trunks = self.sheet.rows[self.row].channels.iter().flatten();
         TALL * (bottom - top) + trunks.map(length).sum::<f64>()
+    }
+
+    /// Draws the row together where a level line across it finds room in every layer that has items on both sides
+    /// of it, and cuts no straight cord.
+    fn squeeze(&mut self) {
+        let nodes = (0..self.heights().len()).filter(|item| self.is_node(*item));
+        let mut levels: Vec<f64> = nodes.map(|item| self.y(item)).collect();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        let straight = self.straight_pairs();
+        for level in levels.into_iter().rev() {
+            let is_cut = |(upper, lower): &(f64, f64)| *upper <= level && *lower > level;
+            if straight.iter().any(is_cut) {
+                continue;
+            }
+            let room = self.room_below(level);
+            if room.is_finite() && room > 0.0 {
+                let below = (0..self.heights().len()).filter(|item| self.y(*item) > level);
+                let moved: Vec<_> = below.map(|item| (item, self.y(item) - room)).collect();
+                moved.into_iter().for_each(|(item, y)| self.set_y(item, y));
+            }
+        }
+    }
+
+    /// Anchors of items that a straight cord joins, the upper one first.
+    fn straight_pairs(&self) -> Vec<(f64, f64)> {
+        let height = |pin: &Pin| self.sheet.height(self.graph, self.row, *pin);
+        let trunks = self.sheet.rows[self.row].channels.iter().flatten();
+        let pairs = trunks.flat_map(|trunk| {
+            trunk.left.iter().flat_map(|left| trunk.right.iter().map(move |right| (left, right)))
+        });
+        let straight = pairs.filter(|(left, right)| height(left) == height(right));
+        let anchors = straight.map(|(left, right)| (self.y(left.item), self.y(right.item)));
+        anchors.map(|(left, right)| (left.min(right), left.max(right))).collect()
+    }
+
+    /// By how much everything below a level can move up before it meets what stands above.
+    fn room_below(&self, level: f64) -> f64 {
+        let layers = 0..self.sheet.rows[self.row].layers.len();
+        let pairs = layers.flat_map(|layer| {
+            let items = self.layer(layer);
+            items.windows(2).map(|pair| (pair[0], pair[1])).collect::<Vec<_>>()
+        });
+        let across = pairs.filter(|(upper, lower)| self.y(*upper) <= level && self.y(*lower) > level);
+        let room = across.map(|(upper, lower)| self.y(lower) - self.y(upper) - self.distance(upper, lower));
+        room.fold(f64::INFINITY, f64::min).floor()
     }
 
     fn stack(&mut self) {

@@ -2,12 +2,14 @@
 //!
 //! The method is the classical one of layered drawings (Sugiyama, Tagawa, Toda 1981) with channel routing: cords
 //! run level through layers and upright in the channels between them; what goes back, or to another row, runs in
-//! a street below or above the row. No two nets share a track.
+//! a street below or above the row. No two nets share a track. Circuits that have but their drives in common stand one
+//! below the other.
 
 mod align;
 mod crossings;
 mod layers;
 mod order;
+mod parts;
 mod rows;
 mod tidy;
 mod tracks;

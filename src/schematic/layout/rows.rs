@@ -1,7 +1,7 @@
 //! Rows: a drawing much wider than high is folded like a line of text.
 
 use super::layers::{Edge, assign, forward_edges};
-use super::{Graph, Node};
+use super::{Graph, Node, parts};
 
 /// Row and layer of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -28,29 +28,34 @@ const UNEVEN: f64 = 10.0;
 /// What it costs to part a pot from what it feeds.
 const TORN: f64 = 2.0;
 
-/// The cell of every node.
+/// The cell of every node; every part of the circuit has rows of its own.
 pub(super) fn fold(graph: &Graph, rank: &[usize]) -> Vec<Cell> {
-    let edges = forward_edges(graph, rank);
+    let parts = parts::of(graph);
+    let mut edges = forward_edges(graph, rank);
+    edges.retain(|(from, to)| parts[*from] == parts[*to]);
     let layers = assign(graph, rank, &edges);
-    let row_of_layer = row_of_layers(graph, &layers, &edges);
-    let row = |node: usize| row_of_layer[layers[node]];
-    let inside: Vec<Edge> = edges.into_iter().filter(|(from, to)| row(*from) == row(*to)).collect();
-    let within = assign(graph, rank, &inside);
-    let rows = row_of_layer.last().map_or(0, |last| last + 1);
-    let mut first = vec![usize::MAX; rows];
-    for (node, layer) in within.iter().enumerate() {
-        first[row(node)] = first[row(node)].min(*layer);
+    let mut rows = vec![0; graph.nodes.len()];
+    let mut count = 0;
+    for part in 0..=parts.iter().max().copied().unwrap_or(0) {
+        let nodes: Vec<usize> = (0..rows.len()).filter(|node| parts[*node] == part).collect();
+        let row_of_layer = row_of_layers(graph, &nodes, &layers, &edges);
+        nodes.iter().for_each(|node| rows[*node] = count + row_of_layer[layers[*node]]);
+        count += row_of_layer.last().map_or(0, |last| last + 1);
     }
-    let cell = |(node, layer): (usize, &usize)| Cell { row: row(node), layer: layer - first[row(node)] };
-    within.iter().enumerate().map(cell).collect()
+    edges.retain(|(from, to)| rows[*from] == rows[*to]);
+    let within = assign(graph, rank, &edges);
+    let mut first = vec![usize::MAX; count];
+    rows.iter().zip(&within).for_each(|(row, layer)| first[*row] = first[*row].min(*layer));
+    rows.iter().zip(&within).map(|(row, layer)| Cell { row: *row, layer: layer - first[*row] }).collect()
 }
 
-fn row_of_layers(graph: &Graph, layers: &[usize], edges: &[Edge]) -> Vec<usize> {
-    let count = layers.iter().max().map_or(0, |last| last + 1);
+fn row_of_layers(graph: &Graph, nodes: &[usize], layers: &[usize], edges: &[Edge]) -> Vec<usize> {
+    let count = nodes.iter().map(|node| layers[*node] + 1).max().unwrap_or(0);
     let (mut widths, mut heights) = (vec![0.0_f64; count], vec![0.0; count]);
-    for (node, layer) in graph.nodes.iter().zip(layers) {
-        widths[*layer] = widths[*layer].max(node.area.width());
-        heights[*layer] += node.area.height() + super::align::APART;
+    for node in nodes {
+        let (area, layer) = (&graph.nodes[*node].area, layers[*node]);
+        widths[layer] = widths[layer].max(area.width());
+        heights[layer] += area.height() + super::align::APART;
     }
     widths.iter_mut().for_each(|width| *width += CHANNEL);
     let whole: f64 = widths.iter().sum();
@@ -59,20 +64,20 @@ fn row_of_layers(graph: &Graph, layers: &[usize], edges: &[Edge]) -> Vec<usize> 
     if whole < NARROW || rows < 2.0 {
         return vec![0; count];
     }
-    let cut = cords_cut(graph, layers, edges, count);
+    let cut = cords_cut(graph, nodes, layers, edges, count);
     divide(&widths, &cut, rows as usize)
 }
 
 /// For every layer, the nets that go forward over its right side.
-fn cords_cut(graph: &Graph, layers: &[usize], edges: &[Edge], count: usize) -> Vec<f64> {
-    let mut last: Vec<usize> = (0..graph.nodes.len()).map(|node| layers[node]).collect();
+fn cords_cut(graph: &Graph, nodes: &[usize], layers: &[usize], edges: &[Edge], count: usize) -> Vec<f64> {
+    let mut last = layers.to_vec();
     for (from, to) in edges {
         last[*from] = last[*from].max(layers[*to]);
     }
     let mut cut = vec![0.0; count];
-    for (node, last) in last.into_iter().enumerate() {
-        let cost = if graph.nodes[node].leans_right { TORN } else { 1.0 };
-        cut[layers[node]..last].iter_mut().for_each(|nets| *nets += cost);
+    for node in nodes {
+        let cost = if graph.nodes[*node].leans_right { TORN } else { 1.0 };
+        cut[layers[*node]..last[*node]].iter_mut().for_each(|nets| *nets += cost);
     }
     cut
 }

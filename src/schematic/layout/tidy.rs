@@ -180,6 +180,9 @@ impl Pen<'_> {
             route.lines = joined(&route.lines);
             route.dots = dots(&route.lines);
         }
+        let uprights: Vec<[Point; 2]> = routes.iter().flat_map(|route| &route.lines).copied().collect();
+        let uprights: Vec<_> = uprights.into_iter().filter(|[a, b]| a.0 == b.0).collect();
+        (0..self.floors.streets.len()).for_each(|street| self.arrows(street, &uprights, &mut routes));
         routes
     }
 
@@ -234,21 +237,40 @@ impl Pen<'_> {
             let (left, right) = bus.ends();
             let Some(y) = self.street_height(street, net).filter(|_| left < right) else { continue };
             routes[net].lines.push([(left, y), (right, y)]);
+        }
+    }
+
+    /// Arrows on what runs back in a street, clear of the lines that cross it.
+    fn arrows(&self, street: usize, uprights: &[[Point; 2]], routes: &mut [Route]) {
+        let (nets, buses) = street_buses(self.sheet, self.columns, street);
+        for (net, bus) in nets.into_iter().zip(buses) {
+            let Some(y) = self.street_height(street, net) else { continue };
+            let here = uprights.iter().filter(|[top, bottom]| (top.1..=bottom.1).contains(&y));
+            let crossing: Vec<f64> = here.map(|[top, _]| top.0).collect();
             let from = self.places[self.graph.nets[net].from].0;
-            routes[net].arrows.extend(arrow(&bus, from, y));
+            routes[net].arrows.extend(arrow(&bus, from, &crossing).map(|x| (x, y)));
         }
     }
 }
 
-/// The middle of the longest stretch of a street that runs back.
-fn arrow(bus: &Bus, source: f64, y: f64) -> Option<Point> {
+/// Room that an arrow needs to either side of its place.
+const ARROW: f64 = 7.0;
+
+/// Near the middle of the longest stretch of a street that runs back and has room beside what crosses it.
+fn arrow(bus: &Bus, source: f64, crossing: &[f64]) -> Option<f64> {
     let mut stops: Vec<f64> =
         bus.before.iter().chain(&bus.after).copied().filter(|x| *x <= source + FAR).collect();
     stops.sort_by(f64::total_cmp);
     let from = stops.iter().copied().filter(|x| *x > source).fold(f64::INFINITY, f64::min);
-    let back = stops.windows(2).filter(|pair| pair[1] <= from);
-    let longest = back.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
-    (longest[1] - longest[0] > 4.0 * PITCH).then(|| ((longest[0] + longest[1]) / 2.0, y))
+    let mut back: Vec<_> = stops.windows(2).filter(|pair| pair[1] <= from).collect();
+    back.sort_by(|a, b| (b[1] - b[0]).total_cmp(&(a[1] - a[0])));
+    let long = back.into_iter().filter(|pair| pair[1] - pair[0] > 4.0 * PITCH);
+    let is_clear = |x: &f64| crossing.iter().all(|other| (x - other).abs() >= ARROW);
+    let mut near = long.flat_map(|pair| {
+        let (middle, far) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
+        (0..far as i32).flat_map(move |step| [middle - f64::from(step), middle + f64::from(step)])
+    });
+    near.find(is_clear)
 }
 
 /// Lines with those that touch in one direction made into one.

@@ -3,7 +3,7 @@
 use super::art::{Art, HALF_LETTER, NAME, PRINT, SMALL, jack_heights};
 use super::{Align, Ink, Symbol};
 use crate::plot::text_width;
-use crate::schematic::symbol::{Jack, digits};
+use crate::schematic::symbol::{Jack, volts};
 
 /// Length of a triangle.
 const LENGTH: f64 = 58.0;
@@ -90,7 +90,7 @@ fn limits(art: &mut Art, symbol: &Symbol) {
     for (name, sign) in [("limit.upper", "≤"), ("limit.lower", "≥")] {
         if let Some(level) = symbol.number(name) {
             let top = art.area().top - 9.0;
-            let text = format!("{sign} {} V", digits(level));
+            let text = format!("{sign} {}", volts(level));
             let left = -(text_width(&text, PRINT) + 18.0) / 2.0;
             art.rule(&[(left, top), (left + 4.0, top)]);
             art.diode((left + 8.0, top), (if sign == "≤" { 1.0 } else { -1.0 }, 0.0));
@@ -123,7 +123,7 @@ pub(super) fn integrator(symbol: &Symbol) -> Art {
 
 /// The initial condition, which goes into the bar from above.
 fn initial(art: &mut Art, symbol: &Symbol, x: f64, top: f64) {
-    let Some(volts) = symbol.number("initial") else { return };
+    let Some(initial) = symbol.number("initial") else { return };
     art.line(&[(x, top - 7.0), (x, top)]);
-    art.text(&format!("IC {} V", digits(volts)), (x - BAR / 2.0, top - 11.0), PRINT, Align::Start, Ink::Line);
+    art.text(&format!("IC {}", volts(initial)), (x - BAR / 2.0, top - 11.0), PRINT, Align::Start, Ink::Line);
 }

@@ -138,6 +138,14 @@ impl Art {
         self.bold(&points);
     }
 
+    /// The texts.
+    pub fn labels(&self) -> impl Iterator<Item = &Label> {
+        self.marks.iter().filter_map(|mark| match mark {
+            Stroke::Text(label) => Some(label),
+            _ => None,
+        })
+    }
+
     /// The room of everything drawn.
     pub fn area(&self) -> Area {
         hull(self.marks.iter().map(area))

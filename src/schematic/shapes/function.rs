@@ -2,7 +2,7 @@
 
 use super::art::{Art, HALF_LETTER, NAME, PRINT, SMALL, jack_heights, wave};
 use super::{Align, Ink, Symbol};
-use crate::schematic::symbol::digits;
+use crate::schematic::symbol::volts;
 
 /// A square with jacks at its left.
 pub(super) fn square(symbol: &Symbol, half: f64) -> Art {
@@ -62,7 +62,7 @@ pub(super) fn dead_zone(symbol: &Symbol) -> Art {
     let mut art =
         curve_box(symbol, |art| art.bold(&lines(&[(-1.0, -0.8), (-0.4, 0.0), (0.4, 0.0), (1.0, 0.8)])));
     if let (Some(lower), Some(upper)) = (symbol.number("lower"), symbol.number("upper")) {
-        art.below(&format!("{} … {} V", digits(lower), digits(upper)), PRINT, Ink::Line);
+        art.below(&format!("{} … {}", volts(lower), volts(upper)), PRINT, Ink::Line);
     }
     art
 }
@@ -73,7 +73,7 @@ pub(super) fn backlash(symbol: &Symbol) -> Art {
         art.bold(&lines(&play));
     });
     if let Some(width) = symbol.number("width") {
-        art.below(&format!("play {} V", digits(width)), PRINT, Ink::Line);
+        art.below(&format!("play {}", volts(width)), PRINT, Ink::Line);
     }
     art
 }

@@ -10,7 +10,7 @@ mod ports;
 mod switching;
 
 use super::symbol::{Setting, Source, Symbol};
-use crate::plot::{Align, Area, Ink, text_width};
+use crate::plot::{Align, Area, Ink, Label, text_width};
 
 pub(super) use art::{Art, CORD, NAME, PRINT, SMALL};
 
@@ -81,21 +81,27 @@ pub(super) fn exchangeable(symbol: &Symbol) -> usize {
 
 /// Flags of the references at the jacks that they are plugged into.
 fn references(symbol: &Symbol, art: &mut Art) {
+    let texts: Vec<Area> = art.labels().map(Label::area).collect();
     for (jack, at) in symbol.jacks.iter().zip(art.inputs.clone()) {
-        match jack.from {
-            Source::Reference("ground") => ground(at, art),
-            Source::Reference(name) => flag(name, at, art),
-            Source::Output(..) => (),
+        let Source::Reference(name) = jack.from else { continue };
+        let is_beside = |text: &&Area| text.top < at.1 + FLAG.1 / 2.0 && at.1 - FLAG.1 / 2.0 < text.bottom;
+        let clear = texts.iter().filter(is_beside).map(|text| text.left - BESIDE);
+        let tip = clear.fold(at.0, f64::min).min(at.0 - STUB);
+        art.line(&[(tip, at.1), at]);
+        match name {
+            "ground" => ground((tip, at.1), art),
+            name => flag(name, (tip, at.1), art),
         }
     }
 }
 
+/// Least length of the cord to a reference, and room between it and a text at the jack.
 const STUB: f64 = 9.0;
+const BESIDE: f64 = 2.0;
 const FLAG: (f64, f64) = (34.0, 13.0);
 
 fn flag(name: &str, at: (f64, f64), art: &mut Art) {
-    let (tip, half) = (at.0 - STUB, FLAG.1 / 2.0);
-    art.line(&[(tip, at.1), at]);
+    let (tip, half) = (at.0, FLAG.1 / 2.0);
     let (left, shoulder) = (tip - FLAG.0, tip - half);
     let outline = [
         (left, at.1 - half),
@@ -115,10 +121,8 @@ fn flag(name: &str, at: (f64, f64), art: &mut Art) {
 }
 
 fn ground(at: (f64, f64), art: &mut Art) {
-    let left = at.0 - STUB;
-    art.line(&[(left, at.1), at]);
     for (step, half) in [6.0, 4.0, 2.0].into_iter().enumerate() {
-        let x = left - 3.0 * step as f64;
+        let x = at.0 - 3.0 * step as f64;
         art.line(&[(x, at.1 - half), (x, at.1 + half)]);
     }
 }

@@ -19,7 +19,7 @@ pub(super) fn relay(symbol: &Symbol) -> Art {
     art.rule(&[(4.0, 13.0), (4.0, -5.0)]);
     let mut names = vec![("on", -22.0), ("off", -2.0), ("in", 20.0)];
     if is_compared {
-        art.line(&[(-34.0, 38.0), (4.0, 38.0), (4.0, 27.0)]);
+        art.line(&[(-34.0, 38.0), (10.0, 38.0), (10.0, 27.0)]);
         names.push(("against", 38.0));
     }
     for (name, y) in names {
