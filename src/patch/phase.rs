@@ -123,6 +123,8 @@ pub(crate) struct Extent {
     pub recorded: f64,
     /// Phases gone through.
     pub phases: f64,
+    /// Parameters set.
+    pub changes: f64,
     /// Seconds of the longest stretch between initial conditions.
     pub longest: f64,
     /// Seconds before the first initial condition.
@@ -140,7 +142,9 @@ impl Extent {
     fn of_one(phase: &Phase) -> Self {
         match phase {
             Phase::InitialCondition => Extent { phases: 1.0, resets: true, ..Extent::default() },
-            Phase::Set { .. } => Extent { phases: 1.0, ..Extent::default() },
+            Phase::Set { changes } => {
+                Extent { phases: 1.0, changes: changes.len() as f64, ..Extent::default() }
+            }
             Phase::Operate { time, .. } => Extent { operated: *time, ..Extent::lasting(*time) },
             Phase::Hold { time } => Extent::lasting(*time),
             Phase::Repeat { times, phases } => Extent::of(phases).repeated(*times as f64),
@@ -157,6 +161,7 @@ impl Extent {
             operated: self.operated + next.operated,
             recorded: self.recorded + next.recorded,
             phases: self.phases + next.phases,
+            changes: self.changes + next.changes,
             longest: self.longest.max(next.longest).max(between),
             head: if self.resets { self.head } else { between },
             tail: if next.resets { next.tail } else { between },
@@ -172,6 +177,7 @@ impl Extent {
             operated: self.operated * times,
             recorded: self.recorded * times,
             phases: self.phases * times,
+            changes: self.changes * times,
             longest: stretch(self.longest, shape.longest),
             head: stretch(self.head, shape.head),
             tail: stretch(self.tail, shape.tail),

@@ -183,7 +183,7 @@ pub enum RunError {
         numbers = told(*numbers), most = told(*most)
     )]
     TooManyNumbers {
-        /// Times and signals of every sample, and 16 for every phase, repetitions counted.
+        /// Times and signals of every sample, and 16 for every phase and every parameter set, repetitions counted.
         numbers: f64,
         /// The limit.
         most: f64,

@@ -197,8 +197,8 @@ impl<'p> Machine<'p> {
         // What is left beyond the last whole step, unless it is rounding.
         if end - self.time > 1e-9 * self.step && !self.is_stopped_by(witness) {
             self.advance(end, witness)?;
-            self.is_stopped_by(witness);
         }
+        self.is_stopped_by(witness);
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! Goes through the phases of a run with a machine and a recorder.
 
 use super::error::RunError;
-use super::machine::{Machine, MachineMode};
+use super::machine::{Machine, MachineMode, Witness};
 use super::recorder::{Recorder, Watch};
 use crate::patch::{Change, FormulaMeasure, Phase, Until};
 use crate::program::{Program, Standing, Switch};
@@ -113,6 +113,10 @@ impl<'p, 'w> Player<'p, 'w> {
     fn hold(&mut self, time: f64) -> Result<(), RunError> {
         self.recorder.show(&self.machine);
         self.machine.hold();
+        if self.recorder.has_seen_enough(&self.machine) {
+            self.is_held = true;
+            return Ok(());
+        }
         self.marked(Deed::Hold, |player| {
             player.recorder.hold(&player.machine, time);
             Ok(Ending::Time)

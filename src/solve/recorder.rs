@@ -84,7 +84,8 @@ impl<'a> Recorder<'a> {
         if !self.running {
             self.trace.sweeps.push(Sweep { first: self.trace.time.len(), ..Sweep::default() });
             (self.next, self.held, self.running, self.is_fresh) = (1, 0.0, true, false);
-            self.lit.fill(None);
+            // What is lit already lit in initial condition.
+            self.lit = machine.lamps.iter().map(|lamp| lamp.map(|_| 0.0)).collect();
         }
         if !self.is_fresh {
             self.write(self.clock(machine), |register| machine.registers[register]);

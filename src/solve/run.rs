@@ -97,7 +97,8 @@ impl RunSettings {
         }
         // Every phase may write a sample where it begins.
         let rows = (extent.recorded / self.every).floor() + extent.phases;
-        let numbers = rows * (self.record.len() + 1) as f64 + extent.phases * NUMBERS_OF_A_MARK;
+        let marks = (extent.phases + extent.changes) * NUMBERS_OF_A_MARK;
+        let numbers = rows * (self.record.len() + 1) as f64 + marks;
         if numbers > MOST_NUMBERS {
             return Err(RunError::TooManyNumbers { numbers, most: MOST_NUMBERS });
         }
@@ -128,7 +129,7 @@ fn missing(plan: &RunPlan) -> RunError {
 pub(super) const MOST_STEPS: f64 = 1e11;
 /// The numbers of a trace take 8 bytes each, and as much again while they are written.
 const MOST_NUMBERS: f64 = 2e8;
-/// The room that the mark of a phase takes, in numbers.
+/// The room that the mark of a phase takes, in numbers, and every change in it.
 const NUMBERS_OF_A_MARK: f64 = 16.0;
 
 /// Runs a program through its phases and records it.

@@ -344,3 +344,48 @@ fn an_overload_after_a_hold_is_told_by_the_clock_of_the_record() {
     let overload = &trace.sweeps[0].overloads[0];
     assert!((overload.time - 4.8).abs() < 2e-3, "{overload:?}");
 }
+
+/// An amplifier that is asked for -200 V as soon as the machine is switched on.
+fn overloaded() -> Patch {
+    let amplifier = element("summer").cords("x2", ["+100"]);
+    made(volts("overloaded").element("S", amplifier).signal("s", "S", "volt", 1.0))
+}
+
+#[test]
+fn an_overload_in_initial_condition_is_told_at_0_whatever_comes_first() {
+    for phases in [[hold(3.0), Phase::operate(1.0)], [Phase::operate(1.0), hold(3.0)]] {
+        let trace = run(&overloaded(), &phases, 0.1, &["s"]);
+        let times: Vec<f64> = trace.sweeps[0].overloads.iter().map(|overload| overload.time).collect();
+        assert_eq!(times, [0.0]);
+    }
+}
+
+/// The record of a patch that is held as soon as a lamp lights, in steps of 0.1 s.
+fn held_on_overload(patch: &Patch, phases: &[Phase]) -> Trace {
+    let circuit = Circuit::new(patch, &[]).unwrap();
+    let own = RunSettings::of(&circuit).unwrap();
+    let phases = phases.to_vec();
+    let settings = RunSettings { phases, step: 0.1, every: 0.1, hold_on_overload: true, ..own };
+    solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap()
+}
+
+#[test]
+fn an_overload_in_the_last_step_of_a_phase_passes_over_the_hold_after_it() {
+    let ramp = element("ramp").set("rate", 100.1);
+    let builder = volts("last").drive("u", "volt", ramp).element("S", element("inverter").cord("in", "u"));
+    let patch = made(builder.signal("s", "S", "volt", 1.0));
+    // 100 V are met at 0.999 s, within the last whole step, whether or not time is left beyond it.
+    for time in [1.0, 1.05] {
+        let trace = held_on_overload(&patch, &[Phase::operate(time), hold(5.0)]);
+        let (sweep, last) = (&trace.sweeps[0], trace.marks.last().unwrap());
+        assert_eq!((&last.phase, &last.ended, sweep.held), (&OPERATE, &Ending::Overload, true));
+        assert!((sweep.end - 1.0).abs() < 1e-12, "{}", sweep.end);
+    }
+}
+
+#[test]
+fn a_first_hold_is_passed_over_by_a_machine_that_is_overloaded_already() {
+    let trace = held_on_overload(&overloaded(), &[hold(3.0), Phase::operate(1.0)]);
+    assert_eq!((trace.sweeps[0].held, trace.sweeps[0].end, trace.len()), (true, 0.0, 1));
+    assert_eq!(trace.sweeps[0].overloads[0].time, 0.0);
+}

@@ -1,8 +1,8 @@
 //! Phases that cannot be gone through: told before the run where that can be, else where it stops.
 
 use super::common::element;
-use patchcord::patch::PatchBuilder;
-use patchcord::solve::{Phase, RunError};
+use patchcord::patch::{Formula, PatchBuilder};
+use patchcord::solve::{Change, Phase, RunError};
 use patchcord::trace::Ending;
 
 use super::{INITIAL, decay, hold, made, repeat, tried};
@@ -56,6 +56,10 @@ fn plans_beyond_reason_are_refused_at_once() {
     assert_eq!(told(&[billions(&[INITIAL]), Phase::operate(1.0)]), "too-many-numbers");
     assert_eq!(told(&[Phase::operate(1.0), hold(1e12)]), "too-many-numbers");
     assert_eq!(told(&[repeat(u64::MAX, &[hold(f64::MAX)])]), "too-many-numbers");
+    // Every parameter that is set is told of in the trace.
+    let changes = vec![Change::new("a", Formula::parse("1").unwrap()); 1000];
+    let sets = repeat(100_000, &[Phase::Set { changes }]);
+    assert_eq!(told(&[sets, Phase::operate(1.0)]), "too-many-numbers");
 }
 
 #[test]
