@@ -158,8 +158,8 @@ fn a_limit_that_is_turned_takes_the_voltage_along_or_lets_it_go() {
     machine.set("top", 20.0).unwrap();
     machine.operate(0.5).unwrap();
     assert!((voltage(&machine, "A1") - 17.5).abs() < 1e-11, "set free: {}", voltage(&machine, "A1"));
-    machine.set("top", 3.0).unwrap();
-    assert_eq!(voltage(&machine, "A1"), 3.5, "met from outside");
+    machine.set("top", 10.0).unwrap();
+    assert_eq!(voltage(&machine, "A1"), 10.5, "met from outside");
 }
 
 #[test]
@@ -198,6 +198,32 @@ fn an_initial_condition_outside_its_limits_is_told() {
     assert_eq!(told(Some(-31.0), json!({"lower": -30, "upper": 30})), [Code::BadNumber]);
     assert_eq!(told(None, json!({"lower": 10})), [Code::BadNumber], "0 V where the patch is silent");
     assert_eq!(told(Some(30.0), json!({"lower": -30, "upper": 30})), []);
+}
+
+#[test]
+fn settings_keep_their_order_when_a_parameter_is_set() {
+    let limited = |limit| element("integrator").cords("x1", ["+100"]).set("limit", limit).set("initial", "a");
+    let relay = element("relay").set("pull_in", "a").set("drop_out", "b").cord("in", "+100");
+    let program = built(
+        volts("ordered")
+            .parameter("a", 10.0, "V", [-100.0, 100.0])
+            .parameter("b", 0.0, "V", [-100.0, 100.0])
+            .element("R", relay.cord("on", "+100").cord("off", "-100"))
+            .element("I", limited(json!({"upper": 30, "lower": "-20"})))
+            .element(
+                "S",
+                element("summer").cords("x1", ["R"]).set("limit", json!({"upper": 60, "lower": "b"})),
+            ),
+    );
+    let mut machine = ran(&program, 1e-2, 0.0);
+    let mut told = |changes: &[(&str, f64)]| machine.set_all(changes).unwrap_err().to_string();
+    assert_eq!(told(&[("b", 10.0)]), "R drop_out comes to 10, not below R pull_in at 10");
+    assert_eq!(told(&[("a", 31.0)]), "I initial comes to 31, above I limit.upper at 30");
+    assert_eq!(told(&[("a", -21.0), ("b", -50.0)]), "I initial comes to -21, below I limit.lower at -20");
+    assert_eq!(told(&[("a", 80.0), ("b", 70.0)]), "I initial comes to 80, above I limit.upper at 30");
+    machine.set_all(&[("a", 30.0), ("b", 29.0)]).unwrap();
+    machine.initial_condition().unwrap();
+    assert_eq!(voltage(&machine, "I"), 30.0);
 }
 
 #[test]

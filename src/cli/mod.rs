@@ -13,6 +13,7 @@ mod new;
 mod overloads;
 mod phases;
 mod progress;
+mod readings;
 mod run;
 mod table;
 

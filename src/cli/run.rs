@@ -9,10 +9,9 @@ use super::load::{Loaded, PatchArguments, document, parameter_line};
 use super::overloads::{overload_json, overload_told};
 use super::phases::{phase_told, phases_json, phases_told};
 use super::progress::Progress;
-use super::table::Table;
+use super::readings::{readings_json, readings_told};
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
-use patchcord::instruments::{self, Display, Reading};
 use patchcord::patch::{Placed, RunPlan, Span};
 use patchcord::program::Program;
 use patchcord::solve::{self, RunError, RunSettings, Stopped, TimeSetting};
@@ -75,7 +74,8 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.patch.json {
         return say_json(&run_document(&circuit, &settings, &trace, &files));
     }
-    say(&readings_table(&circuit, &trace))?;
+    let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(&circuit));
+    say(&(head + &readings_told(&trace)))?;
     say(&phases_told(&trace))?;
     say(&format!("\n{}{}", work_told(&trace), overloads_told(&trace)))?;
     say(&files.told())
@@ -183,26 +183,6 @@ impl Arguments {
     }
 }
 
-fn readings_table(circuit: &Circuit, trace: &Trace) -> String {
-    let title = &circuit.patch().title;
-    let mut table = Table::new(["signal", "unit", "start", "end", "least", "at s", "most", "at s"]);
-    for reading in instruments::readings(trace) {
-        let shown = Display::new(&reading.unit, reading.largest());
-        let seconds = Display::new("", 1.0);
-        table.row([
-            reading.signal.clone(),
-            shown.unit.clone(),
-            shown.number(reading.start),
-            shown.number(reading.end),
-            shown.number(reading.least.value),
-            seconds.number(reading.least.time),
-            shown.number(reading.most.value),
-            seconds.number(reading.most.time),
-        ]);
-    }
-    format!("{title}\n{}\n\n{}", parameter_line(circuit), table.text())
-}
-
 /// The options that put an error right.
 fn advice(error: &RunError) -> Option<String> {
     let option = |time: &TimeSetting| format!("--{}", time.key());
@@ -250,7 +230,7 @@ fn run_document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files:
             "hold_on_overload": settings.hold_on_overload,
         },
         "samples": trace.len(),
-        "readings": instruments::readings(trace).iter().map(reading_json).collect::<Value>(),
+        "readings": readings_json(trace),
         "sweeps": trace.sweeps.iter().map(|sweep| json!({
             "end": sweep.end,
             "steps": sweep.work.steps,
@@ -262,15 +242,4 @@ fn run_document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files:
         "files": files.json(),
     });
     document(circuit, more)
-}
-
-fn reading_json(reading: &Reading) -> Value {
-    json!({
-        "signal": reading.signal,
-        "unit": reading.unit,
-        "start": reading.start,
-        "end": reading.end,
-        "least": {"value": reading.least.value, "t": reading.least.time},
-        "most": {"value": reading.most.value, "t": reading.most.time},
-    })
 }

@@ -14,6 +14,11 @@ impl Table {
         self.rows.push(cells.to_vec());
     }
 
+    /// Takes the first column away.
+    pub fn drop_first(&mut self) {
+        self.rows.iter_mut().for_each(|row| drop(row.remove(0)));
+    }
+
     /// The table, each line ended; nothing where there are no rows.
     pub fn text(&self) -> String {
         if self.rows.len() < 2 {

@@ -158,7 +158,7 @@ mod tests {
             unit: unit.into(),
             per_volt: 1e-3,
             volts: vec![0.0, 2.0, 1.0, 0.0, 2.0, 1.0],
-            course: None,
+            courses: Vec::new(),
         };
         Trace {
             time: vec![0.0, 1.0, 2.0, 0.0, 1.0, 2.0],

@@ -1,21 +1,23 @@
 //! The digital voltmeter: what a signal was at the start and the end, and how far it went.
 
-use crate::trace::{Moment, Trace, Track};
+use crate::trace::{Course, Moment, Trace, Track};
 
-/// A signal's reading, in the signal's unit.
+/// A signal's reading in one run, in the signal's unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reading {
+    /// The run, counted from 0.
+    pub run: usize,
     /// Name of the signal.
     pub signal: String,
     /// Text of its unit.
     pub unit: String,
-    /// Value at the beginning of the run.
+    /// Value at its beginning.
     pub start: f64,
-    /// Value at the end of the run.
+    /// Value at its end.
     pub end: f64,
-    /// Least value of the whole run.
+    /// Its least value.
     pub least: Extreme,
-    /// Largest value of the whole run.
+    /// Its largest value.
     pub most: Extreme,
 }
 
@@ -35,40 +37,45 @@ impl Reading {
     }
 }
 
-/// Reads every recorded signal, between its samples too; nothing where nothing was seen.
+/// Reads every recorded signal in every run, one run after the other, between its samples too; nothing where
+/// nothing was seen.
 pub fn readings(trace: &Trace) -> Vec<Reading> {
-    trace.tracks.iter().filter_map(reading).collect()
+    let of_run =
+        |run| trace.tracks.iter().filter_map(move |track| Some(reading(run, track, track.courses.get(run)?)));
+    (0..trace.sweeps.len()).flat_map(of_run).collect()
 }
 
-fn reading(track: &Track) -> Option<Reading> {
-    let course = track.course?;
+fn reading(run: usize, track: &Track, course: &Course) -> Reading {
     let extreme = |moment: Moment| Extreme { time: moment.time, value: moment.volts * track.per_volt };
     let (lower, upper) = (extreme(course.least), extreme(course.most));
     // A scale below 0 turns what is up down.
     let (least, most) = if track.per_volt < 0.0 { (upper, lower) } else { (lower, upper) };
-    Some(Reading {
+    Reading {
+        run,
         signal: track.name.clone(),
         unit: track.unit.clone(),
         start: course.start * track.per_volt,
         end: course.end * track.per_volt,
         least,
         most,
-    })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trace::Sweep;
 
     fn trace(track: Track) -> Trace {
-        Trace { tracks: vec![track], ..Trace::default() }
+        let sweeps = vec![Sweep::default(); track.courses.len()];
+        Trace { tracks: vec![track], sweeps, ..Trace::default() }
     }
 
     #[test]
     fn extremes_are_found_with_their_first_time() {
         let mut track = Track::new("x", "m", -2.0);
         for (time, volts) in [(0.0, 0.0), (1.0, 3.0), (2.0, -1.0), (3.0, 3.0)] {
-            track.record(time, volts);
+            track.record(0, time, volts);
         }
         let reading = &readings(&trace(track))[0];
         assert_eq!((reading.start, reading.end), (0.0, -6.0));
@@ -79,12 +86,23 @@ mod tests {
     #[test]
     fn what_is_seen_between_samples_counts() {
         let mut track = Track::new("x", "m", 1.0);
-        track.record(0.0, 1.0);
-        track.see(0.5, 7.0);
-        track.record(1.0, 1.0);
-        track.see(1.5, 2.0);
+        track.record(0, 0.0, 1.0);
+        track.see(0, 0.5, 7.0);
+        track.record(0, 1.0, 1.0);
+        track.see(0, 1.5, 2.0);
         let reading = &readings(&trace(track))[0];
         assert_eq!((reading.most.value, reading.most.time, reading.end), (7.0, 0.5, 2.0));
+    }
+
+    #[test]
+    fn every_run_is_read_by_itself() {
+        let mut track = Track::new("x", "m", 1.0);
+        for (run, time, volts) in [(0, 0.0, 5.0), (0, 1.0, 9.0), (1, 0.0, 4.0), (1, 2.0, -3.0)] {
+            track.record(run, time, volts);
+        }
+        let readings = readings(&trace(track));
+        let told = |reading: &Reading| (reading.run, reading.start, reading.end, reading.most.value);
+        assert_eq!(readings.iter().map(told).collect::<Vec<_>>(), [(0, 5.0, 9.0, 9.0), (1, 4.0, -3.0, 4.0)]);
     }
 
     #[test]

@@ -231,6 +231,17 @@ pub(crate) fn told(value: f64) -> String {
     }
 }
 
+/// What is wrong with a value that misses its range, in words that follow it.
+pub(crate) fn outside(value: f64, (low, high): (f64, f64)) -> String {
+    // What is allowed for rounding is not told.
+    let plain = |bound: f64| told(if bound.abs() < 1e3 { (bound * 1e9).round() / 1e9 } else { bound });
+    match high {
+        _ if !value.is_finite() => "and must be a finite number".to_owned(),
+        f64::MAX => format!("below {}", plain(low)),
+        _ => format!("outside {} ... {}", plain(low), plain(high)),
+    }
+}
+
 /// Whether any finding stops the patch.
 pub(crate) fn any_error(findings: &[Diagnostic]) -> bool {
     findings.iter().any(|finding| finding.code.severity() == Severity::Error)

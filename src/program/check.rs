@@ -7,7 +7,7 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::evaluate::Scratch;
 use super::loops::{LoopFault, Solutions};
-use super::{Loop, Noise, Program, Sources, rehearsal};
+use super::{Loop, Noise, Program, Sources, Unfit, rehearsal};
 use crate::circuit::Circuit;
 use crate::elements::Output;
 use crate::patch::{Code, Diagnostic, Report, told};
@@ -24,7 +24,7 @@ pub(super) fn check(circuit: &Circuit, program: &Program) -> Result<(), Box<Repo
 fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
     let parameters: Vec<f64> = program.parameters.iter().map(|slot| slot.value).collect();
     let coefficients = program.prepare(&parameters);
-    if let Some((coefficient, value)) = program.first_bad(&coefficients) {
+    if let Some(Unfit { coefficient, value, .. }) = program.first_unfit(&coefficients) {
         let message = format!("{} comes to {value}", coefficient.label);
         let hint = Some("look for a wrong power of ten, here or in a scale".to_owned());
         return vec![Diagnostic { code: Code::NotFinite, span: coefficient.span, message, hint }];

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
+use super::Program;
 use super::loops::{LoopFault, solve_tear};
 use super::number::{Dual, Number};
 use super::op::{Op, Sources};
 use super::piece::Piece;
 use super::range::Range as Stretch;
-use super::{Coefficient, Program};
 
 /// Room for what an evaluation needs besides registers, so that none is made in a step.
 #[derive(Debug, Clone, Default)]
@@ -126,14 +126,5 @@ impl Program {
             registers.push(value);
         }
         self.coefficients.iter().map(|coefficient| registers[coefficient.register.index()]).collect()
-    }
-
-    /// The first coefficient that is not a number that it may be, with its value.
-    pub(crate) fn first_bad<'a>(&'a self, values: &'a [f64]) -> Option<(&'a Coefficient, f64)> {
-        let pairs = self.coefficients.iter().zip(values.iter().copied());
-        pairs.into_iter().find(|(coefficient, value)| {
-            let (low, high) = coefficient.range;
-            !value.is_finite() || *value < low || *value > high || coefficient.breaks(*value)
-        })
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::coefficient::{Order, Relation};
 use super::standing::ScaleSlot;
 use super::{Lamp, Loop, ModeHandle, Op, Outlet, ParameterSlot, Probe, Program, Register, Switch};
 use crate::circuit::{Circuit, Stage};
@@ -22,6 +23,7 @@ impl Program {
         lowering.signals();
         lowering.scales();
         lowering.switches();
+        lowering.orders();
         super::check::check(circuit, &lowering.program)?;
         Ok(lowering.program)
     }
@@ -169,6 +171,26 @@ impl<'c> Lowering<'c> {
             if let Some(mode) = self.own_mode.get(&element).filter(|_| !positions.is_empty()) {
                 self.program.switches.push(Switch { element, mode: mode.index as usize, positions });
             }
+        }
+    }
+
+    /// The settings that must stand in an order, also once a run has set parameters.
+    fn orders(&mut self) {
+        for (element, entry) in self.circuit.elements().iter().enumerate() {
+            self.current = element;
+            for (lower, upper) in entry.kind.ordered {
+                self.order(lower, Relation::Below, upper);
+            }
+            for (lower, between, upper) in entry.kind.bounded {
+                self.order(between, Relation::AtLeast, lower);
+                self.order(between, Relation::AtMost, upper);
+            }
+        }
+    }
+
+    fn order(&mut self, setting: &str, relation: Relation, other: &str) {
+        if let (Some(of), Some(to)) = (self.coefficient(setting), self.coefficient(other)) {
+            self.program.orders.push(Order { of, relation, to });
         }
     }
 

@@ -4,6 +4,7 @@
 //! states, modes and time into every voltage and every rate. Every backend reads nothing else.
 
 mod check;
+mod coefficient;
 mod curved;
 mod evaluate;
 mod linearise;
@@ -19,22 +20,25 @@ mod rehearsal;
 mod standing;
 mod vocabulary;
 
+pub use coefficient::Coefficient;
 pub use linearise::Linearisation;
 pub(crate) use linearise::OperatingPoint;
 pub use lower::Lowering;
 pub use op::{Op, Register};
 
 pub(crate) use check::tell;
+pub(crate) use coefficient::{Fault, Unfit};
 pub(crate) use evaluate::Scratch;
 pub(crate) use loops::LoopFault;
 pub(crate) use noise::{Distribution, Noise};
 pub(crate) use op::Sources;
 pub(crate) use standing::Standing;
 
+use coefficient::Order;
 use standing::ScaleSlot;
 
 use crate::machines::REFERENCE;
-use crate::patch::{Dimension, Span};
+use crate::patch::Dimension;
 
 /// A circuit as operations. Made by [`Program::new`]; run by [`crate::solve::Machine`].
 #[derive(Debug, Clone, Default)]
@@ -42,6 +46,7 @@ pub struct Program {
     pub(crate) prologue: Vec<Op>,
     pub(crate) parameters: Vec<ParameterSlot>,
     pub(crate) coefficients: Vec<Coefficient>,
+    pub(crate) orders: Vec<Order>,
     pub(crate) body: Vec<Op>,
     pub(crate) elements: Vec<Outlet>,
     pub(crate) states: Vec<State>,
@@ -80,29 +85,6 @@ pub struct ParameterSlot {
     /// Text of the declared unit.
     pub unit: String,
     pub(crate) dimension: Dimension,
-}
-
-/// A number that the prologue works out for the body.
-#[derive(Debug, Clone)]
-pub struct Coefficient {
-    /// Where the prologue leaves it.
-    pub(crate) register: Register,
-    /// Whose it is, for messages: "PC5 setting".
-    pub label: String,
-    /// Least and largest value allowed.
-    pub range: (f64, f64),
-    /// Whether only whole numbers are allowed.
-    pub whole: bool,
-    /// Where the patch speaks of it.
-    pub(crate) span: Option<Span>,
-}
-
-impl Coefficient {
-    /// Whether a value within the range is not whole and must be.
-    pub(crate) fn breaks(&self, value: f64) -> bool {
-        let (low, high) = self.range;
-        self.whole && (low..=high).contains(&value) && value.fract() != 0.0
-    }
 }
 
 /// An element's output.

@@ -2,7 +2,7 @@
 
 use super::lower::Lowering;
 use super::{Coefficient, Op, Register};
-use crate::elements::{Default as SettingDefault, Measure};
+use crate::elements::{Default as SettingDefault, Measure, Setting};
 use crate::patch::{Amount, Callee, Expression, Formula, Function, Node, Operator};
 
 impl Lowering<'_> {
@@ -46,20 +46,20 @@ impl Lowering<'_> {
         if let Some(made) = self.settings.get(&(self.current, index)) {
             return Some(*made);
         }
-        let default = element.kind.settings[index].default;
-        let register = match (self.amount(name), default) {
-            (Some(Amount::Formula(formula)), _) => {
-                self.placed_formula(formula, element.kind.settings[index].measure)
-            }
+        let row = &element.kind.settings[index];
+        let register = match (self.amount(name), row.default) {
+            (Some(Amount::Formula(formula)), _) => self.placed_formula(formula, row),
             (None, SettingDefault::Number(number)) => self.early(Op::Constant(number)),
             _ => return None,
         };
-        let label = format!("{} {name}", element.name);
-        let made = self.push_coefficient(register, label, element.kind.settings[index].coefficient_range());
-        self.program.coefficients[made as usize].whole =
-            element.kind.settings[index].measure == Measure::Whole;
+        let made = self.push_coefficient(register, self.label(row), row.coefficient_range());
+        self.program.coefficients[made as usize].whole = row.measure == Measure::Whole;
         self.settings.insert((self.current, index), made);
         Some(made)
+    }
+
+    fn label(&self, row: &Setting) -> String {
+        format!("{} {}", self.circuit.element(self.current).name, row.name)
     }
 
     /// The coefficient of a setting that is required or has a default.
@@ -68,10 +68,14 @@ impl Lowering<'_> {
     }
 
     /// A formula's value in volts, seconds or plain numbers: plain formulas of a drive stand in its unit.
-    fn placed_formula(&mut self, formula: &Formula, measure: Measure) -> Register {
+    fn placed_formula(&mut self, formula: &Formula, row: &Setting) -> Register {
         let value = self.expression(formula.root());
-        if !matches!(measure, Measure::Signal | Measure::SignalRate) {
+        if !matches!(row.measure, Measure::Signal | Measure::SignalRate) {
             return value;
+        }
+        if row.range != row.coefficient_range() {
+            // In volts it may have either sign: what its range allows is looked at before.
+            self.push_coefficient(value, self.label(row), row.range);
         }
         let Some(scale) = self.circuit.element(self.current).scale else { return value };
         let volt = self.derived(scale);

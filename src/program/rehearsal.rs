@@ -1,8 +1,8 @@
 //! The phases of a patch's run, gone through before it: what its changes of parameters come to, as far as that
 //! can be told without running.
 
-use super::Program;
 use super::standing::Standing;
+use super::{Program, Unfit};
 use crate::circuit::Circuit;
 use crate::patch::{Change, Code, Diagnostic, Formula, Phase, Span, told};
 
@@ -126,15 +126,9 @@ impl Rehearsal<'_> {
             return;
         }
         let coefficients = self.program.prepare(&self.parameters);
-        if let Some((bad, value)) = self.program.first_bad(&coefficients) {
-            // What is allowed for rounding is not told.
-            let plain = |bound: f64| if bound.abs() < 1e3 { (bound * 1e9).round() / 1e9 } else { bound };
-            let [low, high] = [bad.range.0, bad.range.1].map(|bound| told(plain(bound)));
-            let allowed = match bad.breaks(value) {
-                true => "and must be a whole number".to_owned(),
-                false => format!("outside {low} ... {high}"),
-            };
-            let message = format!("{} comes to {} here, {allowed}", bad.label, told(value));
+        if let Some(Unfit { coefficient, value, fault }) = self.program.first_unfit(&coefficients) {
+            let message =
+                format!("{} comes to {} here, {}", coefficient.label, told(value), fault.told(value));
             let hint = "set the parameters otherwise, or rescale";
             self.tell(Diagnostic::at(Code::SettingOutside, span, message).hint(hint));
         }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::patch::told;
+use crate::patch::{outside, told};
 use crate::trace::Trace;
 
 /// What went wrong with a run.
@@ -75,10 +75,7 @@ pub enum RunError {
     #[error("there is no signal {0} to record")]
     UnknownSignal(String),
     /// A parameter, or what follows from it, outside what is allowed.
-    #[error(
-        "{what} comes to {value}, outside {low} ... {high}",
-        value = told(*value), low = told(*low), high = told(*high)
-    )]
+    #[error("{what} comes to {value}, {fault}", value = told(*value), fault = outside(*value, (*low, *high)))]
     OutsideRange {
         /// The parameter or the setting.
         what: String,
@@ -88,6 +85,20 @@ pub enum RunError {
         low: f64,
         /// Largest value allowed.
         high: f64,
+    },
+    /// A setting that does not stand to another of its element as it must.
+    #[error("{what} comes to {value}, {stands} {other} at {limit}", value = told(*value), limit = told(*limit))]
+    OutOfOrder {
+        /// The setting.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// How it stands to the other: "not below", "below" or "above".
+        stands: &'static str,
+        /// The other setting.
+        other: String,
+        /// The other's value.
+        limit: f64,
     },
     /// An element that a phase waits for and that does not switch.
     #[error("{0} does not switch: a phase can wait for a relay only")]
@@ -183,7 +194,8 @@ pub enum RunError {
         numbers = told(*numbers), most = told(*most)
     )]
     TooManyNumbers {
-        /// Times and signals of every sample, and 16 for every phase and every parameter set, repetitions counted.
+        /// Times and signals of every sample, 16 for every phase and every parameter set, 6 for every phase and
+        /// signal, repetitions counted.
         numbers: f64,
         /// The limit.
         most: f64,
@@ -203,6 +215,7 @@ impl RunError {
             RunError::UnknownElement(_) => "unknown-element",
             RunError::UnknownSignal(_) => "unknown-signal",
             RunError::OutsideRange { .. } => "outside-range",
+            RunError::OutOfOrder { .. } => "out-of-order",
             RunError::NotARelay(_) => "not-a-relay",
             RunError::UnknownPosition { .. } => "unknown-position",
             RunError::BadFormula { .. } => "bad-formula",

@@ -2,14 +2,15 @@
 
 use super::error::RunError;
 use super::machine::{Machine, MachineMode};
-use crate::program::{Coefficient, TimeConstant};
+use crate::program::{Fault, TimeConstant, Unfit};
 
 impl Machine<'_> {
     /// Turns whatever pots follow from a parameter, given in its declared unit; also while running.
     /// In initial condition the initial conditions follow too.
     ///
     /// # Errors
-    /// When there is no such parameter, or a value or a setting leaves its range or is not whole where it must be;
+    /// When there is no such parameter, or a value or a setting leaves its range, is not whole where it must be,
+    /// or does not stand to another as it must;
     /// nothing is changed then.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), RunError> {
         self.set_all(&[(name, value)])
@@ -26,8 +27,8 @@ impl Machine<'_> {
             parameters[index] = value;
         }
         let coefficients = self.program.prepare(&parameters);
-        if let Some((bad, value)) = self.program.first_bad(&coefficients) {
-            return Err(refused(bad, value));
+        if let Some(unfit) = self.program.first_unfit(&coefficients) {
+            return Err(refused(&unfit));
         }
         self.or_as_before(|machine| {
             (machine.parameters, machine.coefficients) = (parameters, coefficients);
@@ -128,11 +129,14 @@ impl Machine<'_> {
     }
 }
 
-/// Why a coefficient cannot have a value.
-fn refused(bad: &Coefficient, value: f64) -> RunError {
-    let (what, (low, high)) = (bad.label.clone(), bad.range);
-    if bad.breaks(value) {
-        return RunError::NotWhole { what, value };
+/// Why a coefficient cannot have its value.
+fn refused(unfit: &Unfit<'_>) -> RunError {
+    let (what, value) = (unfit.coefficient.label.clone(), unfit.value);
+    match unfit.fault {
+        Fault::Range(low, high) => RunError::OutsideRange { what, value, low, high },
+        Fault::NotWhole => RunError::NotWhole { what, value },
+        Fault::Order(stands, other, limit) => {
+            RunError::OutOfOrder { what, value, stands, other: other.label.clone(), limit }
+        }
     }
-    RunError::OutsideRange { what, value, low, high }
 }

@@ -11,13 +11,16 @@ use crate::trace::{Deed, Ending, NewValue, Trace};
 pub(super) struct Player<'p, 'w> {
     machine: Machine<'p>,
     recorder: Recorder<'w>,
+    /// Seconds still to be operated, at most.
+    left: f64,
     /// Whether an overload ended the sweep: what takes time is passed over until the next initial condition.
     is_held: bool,
 }
 
 impl<'p, 'w> Player<'p, 'w> {
-    pub fn new(machine: Machine<'p>, recorder: Recorder<'w>) -> Self {
-        Player { machine, recorder, is_held: false }
+    /// A player of a run that operates for so many seconds at most.
+    pub fn new(machine: Machine<'p>, recorder: Recorder<'w>, left: f64) -> Self {
+        Player { machine, recorder, left, is_held: false }
     }
 
     /// Goes through a whole run; it begins in initial condition whether it says so or not.
@@ -44,6 +47,9 @@ impl<'p, 'w> Player<'p, 'w> {
     }
 
     fn one(&mut self, phase: &Phase) -> Result<(), RunError> {
+        if let Phase::Operate { time, .. } = phase {
+            self.left -= time;
+        }
         match phase {
             Phase::InitialCondition => self.initial_condition(),
             Phase::Set { changes } => self.set(changes),
@@ -131,6 +137,7 @@ impl<'p, 'w> Player<'p, 'w> {
             let values = values?;
             let pairs: Vec<_> = values.iter().map(|new| (new.parameter.as_str(), new.value)).collect();
             player.machine.set_all(&pairs)?;
+            player.machine.check_noise(player.left)?;
             player.recorder.changed();
             match player.recorder.rescaled(&player.machine) {
                 Some(signal) => Err(RunError::Rescaled { signal: signal.to_owned() }),

@@ -180,17 +180,18 @@ impl<'a> Recorder<'a> {
     }
 
     fn write(&mut self, time: f64, voltage: impl Fn(usize) -> f64) {
+        let run = self.trace.sweeps.len() - 1;
         self.trace.time.push(time);
         for (track, probe) in self.trace.tracks.iter_mut().zip(&self.probes) {
-            track.record(time, voltage(probe.register.index()));
+            track.record(run, time, voltage(probe.register.index()));
         }
     }
 
     /// Takes note of the voltages of now.
     fn see(&mut self, machine: &Machine<'_>) {
-        let time = self.clock(machine);
+        let (run, time) = (self.trace.sweeps.len() - 1, self.clock(machine));
         for (track, probe) in self.trace.tracks.iter_mut().zip(&self.probes) {
-            track.see(time, machine.registers[probe.register.index()]);
+            track.see(run, time, machine.registers[probe.register.index()]);
         }
     }
 }

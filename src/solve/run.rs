@@ -98,7 +98,9 @@ impl RunSettings {
         // Every phase may write a sample where it begins.
         let rows = (extent.recorded / self.every).floor() + extent.phases;
         let marks = (extent.phases + extent.changes) * NUMBERS_OF_A_MARK;
-        let numbers = rows * (self.record.len() + 1) as f64 + marks;
+        // Every phase may begin a run, too.
+        let courses = extent.phases * self.record.len() as f64 * NUMBERS_OF_A_COURSE;
+        let numbers = rows * (self.record.len() + 1) as f64 + marks + courses;
         if numbers > MOST_NUMBERS {
             return Err(RunError::TooManyNumbers { numbers, most: MOST_NUMBERS });
         }
@@ -131,6 +133,8 @@ pub(super) const MOST_STEPS: f64 = 1e11;
 const MOST_NUMBERS: f64 = 2e8;
 /// The room that the mark of a phase takes, in numbers, and every change in it.
 const NUMBERS_OF_A_MARK: f64 = 16.0;
+/// What is kept of every run beside the samples of a signal.
+const NUMBERS_OF_A_COURSE: f64 = 6.0;
 
 /// Runs a program through its phases and records it.
 ///
@@ -182,9 +186,10 @@ fn ready<'p, 'w>(
     settings.check()?;
     player::check(program, &settings.phases)?;
     let machine = Machine::new(program, settings.step)?;
-    machine.check_noise(Extent::of(&settings.phases).operated)?;
+    let operated = Extent::of(&settings.phases).operated;
+    machine.check_noise(operated)?;
     let recorder = Recorder::new(program, &machine, settings, progress)?;
-    Ok(Player::new(machine, recorder))
+    Ok(Player::new(machine, recorder, operated))
 }
 
 /// Times that differ by less than this share of themselves are the same instant.

@@ -11,11 +11,11 @@ pub struct Track {
     pub per_volt: f64,
     /// Voltage of every sample.
     pub volts: Vec<f64>,
-    /// What it went through, between the samples too; nothing where it was never seen.
-    pub course: Option<Course>,
+    /// What it went through in every run, between the samples too; nothing where it was never seen.
+    pub courses: Vec<Course>,
 }
 
-/// What a signal went through: watched at every step, recorded there or not.
+/// What a signal went through in a run: watched at every step, recorded there or not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Course {
     /// First voltage.
@@ -40,7 +40,7 @@ pub struct Moment {
 impl Track {
     /// A track on which nothing is recorded yet.
     pub fn new(name: impl Into<String>, unit: impl Into<String>, per_volt: f64) -> Self {
-        Track { name: name.into(), unit: unit.into(), per_volt, volts: Vec::new(), course: None }
+        Track { name: name.into(), unit: unit.into(), per_volt, volts: Vec::new(), courses: Vec::new() }
     }
 
     /// The samples in physical units.
@@ -48,18 +48,18 @@ impl Track {
         self.volts.iter().map(|volts| volts * self.per_volt)
     }
 
-    /// Writes a sample down.
-    pub fn record(&mut self, time: f64, volts: f64) {
+    /// Writes a sample of a run down; runs are counted from 0 and begun in their order.
+    pub fn record(&mut self, run: usize, time: f64, volts: f64) {
         self.volts.push(volts);
-        self.see(time, volts);
+        self.see(run, time, volts);
     }
 
     /// Takes note of a voltage without recording it.
-    pub fn see(&mut self, time: f64, volts: f64) {
+    pub fn see(&mut self, run: usize, time: f64, volts: f64) {
         let moment = Moment { time, volts };
-        match &mut self.course {
+        match self.courses.get_mut(run) {
             Some(course) => course.goes_on(moment),
-            None => self.course = Some(Course { start: volts, end: volts, least: moment, most: moment }),
+            None => self.courses.push(Course { start: volts, end: volts, least: moment, most: moment }),
         }
     }
 }

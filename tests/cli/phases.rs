@@ -81,6 +81,30 @@ fn json_lists_the_phases_with_what_ended_them() {
 }
 
 #[test]
+fn every_run_has_readings_of_its_own() {
+    let (_folder, file) = spring_with_phases(QUARTER);
+    let told = json(&patchcord(&["run", &file, "--json"]));
+    let ends: Vec<f64> =
+        told["readings"].as_array().unwrap().iter().map(|reading| reading["end"].as_f64().unwrap()).collect();
+    // A quarter of a period of 1 s, and 0.15 s with half the stiffness: 50 mm cos(0.15 sqrt(0.2) x 10).
+    assert!(ends[0].abs() < 1e-6 && (ends[1] - 50.0 * (1.5 * 0.2f64.sqrt()).cos()).abs() < 1e-6, "{ends:?}");
+    assert_eq!((ends.len(), &told["readings"][1]["run"]), (2, &2.into()));
+    let shown = out(&patchcord(&["run", &file]));
+    let lines: Vec<Vec<&str>> = shown.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert!(
+        lines.contains(&"run signal unit start end least at s most at s".split(' ').collect()),
+        "{shown}"
+    );
+    assert!(lines.contains(&"2 x mm 50 39.17 39.17 0.15 50 0".split(' ').collect()), "{shown}");
+    let plain = out(&patchcord(&["run", &file, "--for", "0.25"]));
+    assert!(plain.contains("\nsignal  unit  start"), "{plain}");
+    let many = out(&patchcord(&[
+        "run", &file, "--for", "0.01", "--step", "0.01", "--every", "0.01", "--repeat", "50",
+    ]));
+    assert!(many.contains("\nand 10 more runs: --json tells all\n"), "{many}");
+}
+
+#[test]
 fn options_that_do_not_go_with_phases_are_refused() {
     let (_folder, file) = spring_with_phases(QUARTER);
     let ran = patchcord(&["run", &file, "--repeat", "2"]);

@@ -7,7 +7,7 @@ use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use patchcord::circuit::Circuit;
 use patchcord::patch::{ElementBuilder, PatchBuilder};
 use patchcord::program::Program;
-use patchcord::solve::{self, RunError, RunSettings};
+use patchcord::solve::{self, Phase, RunError, RunSettings};
 use proptest::prelude::*;
 
 use crate::bench::{bench_drive, drive_stops_at_100_volts, near, out, waits_in_hold};
@@ -226,4 +226,35 @@ fn a_grid_beyond_reason_is_refused() {
     let settings = settings.lasting(200.0);
     let stopped = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap_err();
     assert!(matches!(&stopped.error, RunError::NoiseTooFine { element, .. } if element == "u"), "{stopped}");
+}
+
+/// Noise whose height, in a quantity of -0.5 m/s per volt, is a parameter.
+fn of_any_height() -> Program {
+    let drive = element("noise").set("rms", "r").set("every", "T").set("seed", 3);
+    let builder = PatchBuilder::new("height").scale("velocity", -0.5, "m/s");
+    let builder = builder.parameter("r", 1.0, "m/s", [-5.0, 5.0]).parameter("T", 0.1, "s", [1e-9, 1.0]);
+    built(builder.drive("u", "velocity", drive).record(["u"]).run(200.0, 0.1))
+}
+
+#[test]
+fn a_height_below_0_cannot_be_set_whatever_the_sign_of_the_scale() {
+    let program = of_any_height();
+    let mut machine = ran(&program, 0.1, 0.0);
+    machine.set("r", 2.0).unwrap();
+    assert!(near(voltage(&machine, "u"), -4.0 * row(3, false, 1)[0]));
+    assert_eq!(machine.set("r", -2.0).unwrap_err().to_string(), "u rms comes to -2, below 0");
+}
+
+#[test]
+fn a_grid_beyond_reason_cannot_be_set_within_a_run() {
+    let program = of_any_height();
+    let phases = vec![Phase::operate(50.0), Phase::set("T", 1e-9), Phase::operate(150.0)];
+    let record = vec!["u".to_owned()];
+    let settings = RunSettings { phases, step: 0.1, every: 0.1, hold_on_overload: false, record };
+    let stopped = solve::run(&program, &settings).unwrap_err();
+    assert!(
+        matches!(&stopped.error, RunError::NoiseTooFine { numbers, .. } if *numbers > 1.4e11),
+        "{stopped}"
+    );
+    assert!((stopped.trace.time.last().unwrap() - 50.0).abs() < 1e-9, "and the record until then stays");
 }

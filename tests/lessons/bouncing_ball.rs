@@ -55,7 +55,7 @@ fn it_stays_in_the_box() {
         let width = if changes.is_empty() { WIDTH } else { 0.5 };
         for (signal, end) in [("x", width), ("y", H0)] {
             let track = trace.track(signal).unwrap();
-            let course = track.course.unwrap();
+            let course = track.courses[0];
             let (least, most) = (course.least.volts * LENGTH, course.most.volts * LENGTH);
             assert!(least > -NEAR && most < end + NEAR, "{signal} goes from {least} m to {most} m");
         }

@@ -69,7 +69,7 @@ fn it_uses_the_machine_well_and_never_overloads() {
     let trace = trace(STEM, &[], 200.0);
     assert_eq!(trace.overloads().count(), 0);
     for track in &trace.tracks {
-        let course = track.course.unwrap();
+        let course = track.courses[0];
         let (least, most) = (course.least.volts, course.most.volts);
         let largest = most.max(-least);
         assert!((50.0..95.0).contains(&largest), "{} goes from {least} V to {most} V", track.name);

@@ -159,7 +159,7 @@ fn a_hold_in_between_changes_no_step() {
     let [plain, held] = [&halves[..], &held].map(|phases| run(&driven(), phases, 0.5, &["u", "A1"]));
     assert_eq!(plain.sweeps[0].work, held.sweeps[0].work);
     for (plain, held) in plain.tracks.iter().zip(&held.tracks) {
-        assert_eq!(plain.course.map(|course| course.end), held.course.map(|course| course.end));
+        assert_eq!(plain.courses[0].end, held.courses[0].end);
     }
 }
 
@@ -258,7 +258,7 @@ fn recording_does_not_change_phases_or_steps() {
     let [coarse, fine] = [0.5, 0.003].map(|every| run(&decay(), &phases, every, &["level"]));
     assert_eq!(told(&coarse), told(&fine));
     assert_eq!(coarse.sweeps[0].work, fine.sweeps[0].work);
-    assert_eq!(coarse.tracks[0].course, fine.tracks[0].course);
+    assert_eq!(coarse.tracks[0].courses, fine.tracks[0].courses);
     let at_mark = |trace: &Trace, mark: &Mark| trace.tracks[0].volts.get(mark.sample).copied();
     for (wide, close) in coarse.marks.iter().zip(&fine.marks) {
         assert_eq!(at_mark(&coarse, wide), at_mark(&fine, close), "{wide:?}");
