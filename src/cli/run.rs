@@ -22,16 +22,16 @@ pub(super) struct Arguments {
     #[command(flatten)]
     patch: PatchArguments,
     /// How long to run, in problem seconds: one initial condition and operate, whatever phases the patch has
-    #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long = "for", value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     duration: Option<f64>,
     /// Step of the solver, in problem seconds
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     step: Option<f64>,
     /// Time between recorded samples, in problem seconds
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     every: Option<f64>,
     /// Run this many times from initial condition (repetitive operation)
-    #[arg(long, value_name = "TIMES", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "TIMES", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: Option<u32>,
     /// Go into hold as soon as an overload lamp lights
     #[arg(long)]
@@ -94,11 +94,11 @@ fn watched(program: &Program, settings: &RunSettings) -> Result<Trace, Box<Stopp
 impl Arguments {
     fn settings(&self, circuit: &Circuit) -> Result<RunSettings, Failure> {
         let plan = self.plan(circuit.run_plan())?;
-        let mut settings = RunSettings::new(&plan, circuit).map_err(|error| self.refused(&error))?;
+        let mut settings = RunSettings::new(&plan, circuit).map_err(|error| self.refused(&error, circuit))?;
         if !self.record.is_empty() {
             settings.record = self.recorded(circuit)?;
         }
-        settings.check().map_err(|error| self.refused(&error))?;
+        settings.check().map_err(|error| self.refused(&error, circuit))?;
         Ok(settings)
     }
 
@@ -121,12 +121,9 @@ impl Arguments {
         Ok(plan)
     }
 
-    /// What the error says, and which option helps. Who gave options is asked to give others.
-    fn refused(&self, error: &RunError) -> Failure {
-        let message = match advice(error) {
-            Some(advice) => format!("{error}: {advice}"),
-            None => error.to_string(),
-        };
+    /// What the error says, which option helps, and where. Who gave options is asked to give others.
+    fn refused(&self, error: &RunError, circuit: &Circuit) -> Failure {
+        let message = with_advice(error) + &place_told(error, circuit);
         let failure = if self.is_to_blame(error) { Failure::usage(message) } else { Failure::data(message) };
         failure.with("code", error.code().into())
     }
@@ -146,10 +143,10 @@ impl Arguments {
 
     /// Writes what was recorded before the run stopped, and tells why it did.
     fn stopped(&self, stopped: Stopped, files: &Files, circuit: &Circuit) -> Failure {
-        let Some(last) = stopped.trace.time.last() else { return self.refused(&stopped.error) };
-        let place = phase_told(&stopped.trace);
+        let Some(last) = stopped.trace.time.last() else { return self.refused(&stopped.error, circuit) };
+        let (phase, place) = (phase_told(&stopped.trace), place_told(&stopped.error, circuit));
         let failure = |more: &str| {
-            let message = format!("{place}{}{more}", stopped.error);
+            let message = format!("{phase}{}{place}{more}", stopped.error);
             Failure::data(message).with("code", stopped.error.code().into())
         };
         if files.paths().next().is_none() {
@@ -183,6 +180,26 @@ impl Arguments {
     }
 }
 
+/// Where the patch speaks of the element that an error is about.
+fn place_told(error: &RunError, circuit: &Circuit) -> String {
+    let guilty =
+        circuit.elements().into_iter().find(|element| Some(element.name.as_str()) == error.element());
+    let Some((element, span)) = guilty.and_then(|element| Some((element, element.span?))) else {
+        return String::new();
+    };
+    let report = circuit.warnings();
+    let (line, column) = report.line_and_column(span.start);
+    format!("\n  --> {}:{line}:{column}: {}", report.file, element.name)
+}
+
+/// What an error says, and which option helps.
+pub(super) fn with_advice(error: &RunError) -> String {
+    match advice(error) {
+        Some(advice) => format!("{error}: {advice}"),
+        None => error.to_string(),
+    }
+}
+
 /// The options that put an error right.
 fn advice(error: &RunError) -> Option<String> {
     let option = |time: &TimeSetting| format!("--{}", time.key());
@@ -194,7 +211,9 @@ fn advice(error: &RunError) -> Option<String> {
         RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => {
             Some("give one with --step".to_owned())
         }
-        RunError::TooManySteps { .. } => Some("give a longer --step or a shorter --for".to_owned()),
+        RunError::TooManySteps { .. } => {
+            Some("give a longer --step or a shorter --for, or repeat it less".to_owned())
+        }
         RunError::TooManyNumbers { .. } => Some("give a longer --every or a shorter --for".to_owned()),
         _ => None,
     }

@@ -11,7 +11,8 @@ pub(super) static KIND: Kind = Kind {
     law: "out stays while |in - out| < width / 2, and is pushed along at that distance otherwise; where in turns \
           within a step of length h, out stays up to h^2 / 8 x |d2 in / dt2| short of where it was pushed to; exact \
           where it turns at the end of one",
-    modes: "in initial condition it is initial, pushed as far as its input asks for; stays in hold",
+    modes: "in initial condition it is initial, pushed as far as its input asks for; in hold its output moves only \
+            where a hand moves its input",
     source: "backlash circuits of the handbooks: an integrator of high gain behind a dead zone",
     symbol: "backlash",
     inputs: &[Input::jack("in", "what pushes")],

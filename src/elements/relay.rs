@@ -12,7 +12,8 @@ pub(super) static KIND: Kind = Kind {
     name: "relay",
     summary: "comparator with a relay: compares two voltages and connects one of two others, with hysteresis",
     law: "pulls in when in - against >= pull_in, releases when in - against <= drop_out; out = on while pulled in, off while released",
-    modes: "in initial condition it is as its inputs, its thresholds and \"closed\" say; stays in hold",
+    modes: "in initial condition it is as its inputs, its thresholds and \"closed\" say; in hold it \
+            switches only where a hand moves what it compares",
     source: "comparator relay of the general-purpose machines",
     symbol: "relay",
     inputs: &[

@@ -9,7 +9,7 @@ use super::{Input, Kind, Takes, Transfer};
 pub(super) static KIND: Kind = Kind {
     name: "summer",
     summary: "summing amplifier: adds its inputs, each times its gain, and inverts",
-    law: "out = -(sum of gain x input); beyond a limit L: L + slope x (out - L)",
+    law: "out = -(sum of gain x input); beyond K, which lies the drop outside a limit: K + slope x (out - K)",
     source: "thesis 8.1; soft limiter 8.2, Fig 8.9",
     symbol: "amplifier",
     inputs: &[Input::gains("x", "summing inputs, the gain in the name")],

@@ -10,7 +10,8 @@ pub(super) static KIND: Kind = Kind {
     summary: "track-and-hold amplifier: follows its input and inverts, or keeps the output that it had",
     law: "out = -in while track >= threshold; otherwise out stays as it was when track fell below it: of an input \
           that jumps at that instant, as before the jump",
-    modes: "in initial condition it tracks as its control says, or holds initial; stays in hold",
+    modes: "in initial condition it tracks as its control says, or holds initial; in hold its output moves only \
+            where a hand moves its input or its control",
     source: "track-store amplifiers of the hybrid machines",
     symbol: "track-hold",
     inputs: &[

@@ -47,6 +47,8 @@ pub(super) struct Rows {
     pub lines: Vec<usize>,
     /// The names of the two columns.
     pub names: [String; 2],
+    /// The names of all columns.
+    pub all_names: Vec<String>,
     /// The units that comment lines `# name: unit` tell for them.
     pub units: [Option<Told>; 2],
 }
@@ -176,6 +178,7 @@ impl Reader<'_> {
         };
         self.columns = Some(Columns { count: fields.len(), places: [x, y] });
         self.rows.names = [x, y].map(|place| fields[place].clone());
+        self.rows.all_names = fields.to_vec();
         let unit = |name: &String| {
             self.comments.iter().rev().find(|(told, _)| told == name).map(|(_, unit)| unit.clone())
         };

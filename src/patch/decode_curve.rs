@@ -28,7 +28,12 @@ pub(super) struct Points<'a> {
     pub span: Span,
     /// What wrong ones are called.
     pub code: Code,
+    /// What to do about points that do not rise.
+    pub order_hint: &'static str,
 }
+
+/// What to do about points that do not rise, when no more is known of them.
+pub(super) const SORT: &str = "sort the points by their first number, and keep one of those that share it";
 
 /// Points in time, at least one.
 pub(super) fn points(node: &Node, key: &str, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
@@ -54,7 +59,7 @@ fn listed(
 ) -> Option<Vec<[f64; 2]>> {
     let (items, points) = pairs(node, key, findings)?;
     let place = |index: usize| (items[index].span, String::new());
-    fit(Points { points, place: &place, span: node.span, code: Code::BadNumber }, findings)
+    fit(Points { points, place: &place, span: node.span, code: Code::BadNumber, order_hint: SORT }, findings)
 }
 
 /// Points in time, if they are.
@@ -123,8 +128,7 @@ impl Points<'_> {
     /// The first point that does not lie so far to the right of the one before.
     fn falls(&self, by: f64, message: &str) -> Option<Diagnostic> {
         let falling = self.points.windows(2).position(|pair| pair[1][0] - pair[0][0] <= by)?;
-        let hint = "sort the points by their first number, and keep one of those that share it";
-        Some(self.wrong(falling + 1, message).hint(hint))
+        Some(self.wrong(falling + 1, message).hint(self.order_hint))
     }
 
     fn outside(&self, index: usize) -> Option<Diagnostic> {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::code::Code;
 use super::csv_rows::{self, Fault, Rows, Told, excerpt};
-use super::decode_curve::{Mirror, Points, curve_of, points_of};
+use super::decode_curve::{Mirror, Points, SORT, curve_of, points_of};
 use super::diagnostic::{Diagnostic, Span};
 use super::document::{Amount, Patch, Placed};
 use super::fields::{Fields, Findings, word};
@@ -151,8 +151,14 @@ impl TableFile {
     fn judged(&self, rows: Rows, path: &Path, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
         let place =
             |index: usize| (self.file.span, format!(", in line {} of {}", rows.lines[index], path.display()));
-        let points =
-            Points { points: rows.points, place: &place, span: self.file.span, code: Code::BadTable };
+        let order_hint = order_hint(&rows);
+        let points = Points {
+            points: rows.points,
+            place: &place,
+            span: self.file.span,
+            code: Code::BadTable,
+            order_hint,
+        };
         match self.purpose {
             Purpose::InTime => points_of(points, findings),
             Purpose::Curve(mirror) => curve_of(points, "points", mirror, findings),
@@ -169,6 +175,21 @@ fn no_unit(name: &str, comment: &Told, path: &Path, axis: usize) -> Fault {
     );
     let hint = format!("write \"# {name}: unit\" with nothing behind the unit, or a comment without a colon");
     Fault { axis: Some(axis), ..Fault::new(message, hint) }
+}
+
+/// What to do where the points do not rise. A recorded run tells by its columns why its times do not.
+fn order_hint(rows: &Rows) -> &'static str {
+    let has = |column: &str| rows.names[0] == "t" && rows.all_names.iter().any(|name| name == column);
+    let Some(pair) = rows.points.windows(2).find(|pair| pair[1][0] <= pair[0][0]) else { return SORT };
+    if pair[1][0] < pair[0][0] && has("run") {
+        "the table holds several runs (initial_condition, repeat), and t begins anew with each: keep the lines of \
+         one \"run\""
+    } else if pair[1][0] == pair[0][0] && has("phase") {
+        "a phase that ends with a relay (until) or changes a parameter (set) writes a jump as two lines of one \
+         time: keep one of them, or make the second a little later"
+    } else {
+        SORT
+    }
 }
 
 fn other_unit(name: &str, told: &Unit, place: &Unit, path: &Path, axis: usize) -> Fault {

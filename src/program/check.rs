@@ -9,7 +9,6 @@ use super::evaluate::Scratch;
 use super::loops::{LoopFault, Solutions};
 use super::{Loop, Noise, Program, Sources, Unfit, rehearsal};
 use crate::circuit::Circuit;
-use crate::elements::Output;
 use crate::patch::{Code, Diagnostic, Report, told};
 
 /// Modes that have not settled after so many rounds never will.
@@ -121,10 +120,17 @@ fn loop_through(program: &Program, element: usize) -> Option<Vec<usize>> {
 }
 
 fn diagnostic(circuit: &Circuit, entry: &Loop, solutions: Solutions) -> Diagnostic {
-    let opened = entry.members.last().map_or("", String::as_str);
-    let members = entry.members.join(", ");
-    let element = circuit.elements().into_iter().find(|element| element.name == opened);
-    let (code, hint) = match solutions {
+    let element = circuit.elements().into_iter().find(|element| element.name == entry.opened());
+    let (code, hint) = remedy(entry, solutions);
+    let message =
+        format!("the loop {} has no integrator and {}", entry.members.join(", "), tell(entry, solutions));
+    let span = element.and_then(|element| element.span);
+    Diagnostic { code, span, message, hint: Some(hint.to_owned()) }
+}
+
+/// What is wrong with a loop, and what to do about it.
+pub(crate) fn remedy(entry: &Loop, solutions: Solutions) -> (Code, &'static str) {
+    match solutions {
         Solutions::Counted { count: 0, .. } => (
             Code::LoopWithoutSolution,
             "put an integrator or a lag into the loop, or a relay with hysteresis",
@@ -136,16 +142,13 @@ fn diagnostic(circuit: &Circuit, entry: &Loop, solutions: Solutions) -> Diagnost
         Solutions::Range => {
             (Code::LoopWithSolutions, "its gain is exactly 1: change it, or put an integrator into the loop")
         }
-        _ if element.is_some_and(|element| element.kind.output == Output::OpenAmplifier) => (
+        _ if entry.is_open => (
             Code::LoopWithSolutions,
             "what is fed back has to rise with the output all the way from -100 V to 100 V: square one sign only, \
              divide by what is above 0",
         ),
         _ => (Code::LoopWithSolutions, "the loop latches up: bring its gain under 1, or invert it once more"),
-    };
-    let message = format!("the loop {members} has no integrator and {}", tell(solutions, opened));
-    let span = element.and_then(|element| element.span);
-    Diagnostic { code, span, message, hint: Some(hint.to_owned()) }
+    }
 }
 
 /// A voltage to the microvolt.
@@ -154,7 +157,8 @@ fn told_volts(volts: f64) -> String {
 }
 
 /// The solutions in words.
-pub(crate) fn tell(solutions: Solutions, opened: &str) -> String {
+pub(crate) fn tell(entry: &Loop, solutions: Solutions) -> String {
+    let opened = entry.opened();
     match solutions {
         Solutions::Counted { count: 0, .. } => "no set of voltages satisfies it".to_owned(),
         Solutions::Counted { count, first } => {

@@ -118,7 +118,8 @@ impl<'c> Lowering<'c> {
         let index = self.program.loops.len();
         let tear = self.emit(Op::Tear(index as u32));
         let names = stage.members().into_iter().map(|member| self.circuit.element(member).name.clone());
-        self.program.loops.push(Loop { tear, result: tear, members: names.collect() });
+        let is_open = self.circuit.element(opened).kind.output == Output::OpenAmplifier;
+        self.program.loops.push(Loop { tear, result: tear, members: names.collect(), is_open });
         self.outputs[opened] = Some(tear);
         inside.iter().for_each(|stage| self.stage(stage));
         self.output(opened);

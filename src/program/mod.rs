@@ -26,7 +26,7 @@ pub(crate) use linearise::OperatingPoint;
 pub use lower::Lowering;
 pub use op::{Op, Register};
 
-pub(crate) use check::tell;
+pub(crate) use check::{remedy, tell};
 pub(crate) use coefficient::{Fault, Unfit};
 pub(crate) use evaluate::Scratch;
 pub(crate) use loops::LoopFault;
@@ -234,8 +234,17 @@ pub struct Loop {
     pub(crate) tear: Register,
     /// The register that the tear must equal.
     pub(crate) result: Register,
-    /// Names of the members.
+    /// Names of the members, the one that opens it last.
     pub members: Vec<String>,
+    /// Whether an open amplifier opens it.
+    pub(crate) is_open: bool,
+}
+
+impl Loop {
+    /// Name of the element that opens it.
+    pub fn opened(&self) -> &str {
+        self.members.last().map_or("", String::as_str)
+    }
 }
 
 /// An overload lamp of an amplifier that does not integrate.

@@ -17,12 +17,16 @@ pub enum RunError {
         time: f64,
     },
     /// A loop without an integrator that has not exactly one solution.
-    #[error("at t = {time} s the loop {members} has no integrator and {solutions}")]
+    #[error("at t = {time} s the loop {members} has no integrator and {solutions}; {advice}")]
     Loop {
         /// The members, in order.
         members: String,
+        /// The member that opens it.
+        opened: String,
         /// What can be said of its solutions.
         solutions: String,
+        /// What to do about it.
+        advice: &'static str,
         /// When, in problem seconds.
         time: f64,
     },
@@ -168,7 +172,10 @@ pub enum RunError {
         duration: f64,
     },
     /// More steps than anybody will wait for.
-    #[error("the run would take {steps} steps; at most {most} are allowed", steps = told(*steps), most = told(*most))]
+    #[error(
+        "the run would take {steps} steps, {work} at a million steps a second; at most {most} are allowed",
+        steps = told(*steps), work = work(*steps), most = told(*most)
+    )]
     TooManySteps {
         /// Steps of all its phases, repetitions counted.
         steps: f64,
@@ -203,6 +210,19 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// The element that it is about.
+    pub fn element(&self) -> Option<&str> {
+        match self {
+            RunError::NotANumber { element, .. }
+            | RunError::Loop { opened: element, .. }
+            | RunError::Chatter { element, .. }
+            | RunError::DelayTooShort { element, .. }
+            | RunError::LagTooShort { element, .. }
+            | RunError::NoiseTooFine { element, .. } => Some(element),
+            _ => None,
+        }
+    }
+
     /// A name that never changes, for programs that read failures.
     pub fn code(&self) -> &'static str {
         match self {
@@ -272,6 +292,16 @@ impl fmt::Display for TimeSetting {
 fn listed(times: &[TimeSetting]) -> String {
     let told: Vec<_> = times.iter().map(|time| format!("{time} (\"{}\")", time.key())).collect();
     told.join(" and ")
+}
+
+/// How long a million steps a second take for so many, in whole hours, days or years.
+fn work(steps: f64) -> String {
+    let hours = steps / 1e6 / 3600.0;
+    match hours {
+        ..48.0 => format!("{hours:.0} hours"),
+        ..17520.0 => format!("{:.0} days", hours / 24.0),
+        _ => format!("{} years", told((hours / 8760.0).round())),
+    }
 }
 
 /// A run that did not come to its end.

@@ -127,8 +127,8 @@ fn missing(plan: &RunPlan) -> RunError {
     RunError::Missing(times.iter().filter(|(_, given)| given.is_none()).map(|(which, _)| *which).collect())
 }
 
-/// More steps than this, a day's work, are a slip of the pen.
-pub(super) const MOST_STEPS: f64 = 1e11;
+/// More steps than this, hours of work, are a slip of the pen.
+pub(super) const MOST_STEPS: f64 = 1e10;
 /// The numbers of a trace take 8 bytes each, and as much again while they are written.
 const MOST_NUMBERS: f64 = 2e8;
 /// The room that the mark of a phase takes, in numbers, and every change in it.

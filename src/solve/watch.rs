@@ -4,15 +4,19 @@ use super::error::RunError;
 use super::machine::Machine;
 use super::overload::Lit;
 use crate::machines::REFERENCE;
-use crate::program::{LAMP_LEVEL, LoopFault, tell};
+use crate::program::{LAMP_LEVEL, LoopFault, remedy, tell};
 
 impl Machine<'_> {
     pub(super) fn check_voltages(&self) -> Result<(), RunError> {
         if let Some(&LoopFault { index, solutions }) = self.scratch.faults.first() {
-            let members = &self.program.loops[index].members;
-            let opened = members.last().map_or("", String::as_str);
-            let solutions = tell(solutions, opened);
-            return Err(RunError::Loop { members: members.join(", "), solutions, time: self.time });
+            let entry = &self.program.loops[index];
+            return Err(RunError::Loop {
+                members: entry.members.join(", "),
+                opened: entry.opened().to_owned(),
+                solutions: tell(entry, solutions),
+                advice: remedy(entry, solutions).1,
+                time: self.time,
+            });
         }
         match self.program.in_order().find(|outlet| self.registers[outlet.register.index()].is_nan()) {
             Some(outlet) => Err(RunError::NotANumber { element: outlet.name.clone(), time: self.time }),

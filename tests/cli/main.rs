@@ -8,6 +8,7 @@ mod man;
 mod new;
 mod phases;
 mod pictures;
+mod refused;
 
 use std::fs;
 use std::path::Path;
@@ -319,7 +320,7 @@ fn missing_run_is_told(inverter: &str) {
     assert_eq!((code(&checked), errors(&checked).as_str()), (0, ""));
     let ran = patchcord(&["run", &file, "--for", "1", "--step", "1e-3"]);
     assert_eq!(code(&ran), 2);
-    assert!(errors(&ran).ends_with("give one with --step\n"), "{}", errors(&ran));
+    assert!(errors(&ran).contains("give one with --step\n  --> "), "{}", errors(&ran));
 }
 
 #[test]

@@ -76,6 +76,13 @@ impl Ran {
         self.reading(signal)["end"].as_f64().unwrap()
     }
 
+    /// The same of a later run.
+    fn end_of_run(&self, run: usize, signal: &str) -> f64 {
+        let mut readings = self.told["readings"].as_array().unwrap().iter();
+        let reading = readings.find(|reading| reading["run"] == run && reading["signal"] == signal);
+        reading.unwrap()["end"].as_f64().unwrap()
+    }
+
     /// The least or most of a signal.
     fn peak(&self, signal: &str, which: &str) -> f64 {
         self.reading(signal)[which]["value"].as_f64().unwrap()
@@ -192,6 +199,8 @@ const TOLD: &[Told] = &[
     ("predator-and-prey --set x0=10000", "lynxes down to #00", |ran| ran.peak("lynxes", "least") / 100.0, 0),
     ("bouncing-ball --set g=1.62 --for 15", "the floor after # s", |ran| ran.peak_time("vy", "least"), 2),
     ("bouncing-ball", "instead of # s. With nothing lost", |ran| ran.peak_time("vy", "least"), 2),
+    ("projectile", "how far it goes: # m and", |ran| ran.end("x"), 1),
+    ("projectile", "112.3 m and # m. The table", |ran| ran.end_of_run(2, "x"), 1),
     ("projectile", "at 40 degrees # s with air", |ran| ran.phase(2), 2),
     ("projectile", "with air and # s without", |ran| ran.phase(5), 2),
     ("projectile --set angle=30", "the ball goes # m with air", |ran| ran.after_phase(2, "x"), 0),
