@@ -4,8 +4,9 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use common::{built, element, order, ran, root, voltage, volts};
+use common::{built, element, order, program, ran, root, slideway, voltage, volts};
 use patchcord::program::Program;
+use patchcord::solve::Machine;
 
 const STEPS: [f64; 5] = [0.05, 0.025, 0.0125, 0.00625, 0.003125];
 /// Not multiples of any step: the run up to each ends with a part of one.
@@ -163,4 +164,89 @@ fn half_swings_joined_by_a_brake() {
         let swing = 37.0 - 10.0 * halves;
         sign * (5.0 + swing * (2.0 * time - halves * TAU / 2.0).cos())
     });
+}
+
+/// x'' = -4 dz(x), dz a dead zone of ±10 V: level flight at 30 V/s between half swings of 15 V.
+#[test]
+fn half_swings_joined_by_a_dead_zone() {
+    let builder = volts("play")
+        .element("DZ", element("dead-zone").cord("in", "A2").set("lower", -10).set("upper", 10))
+        .element("A1", element("integrator").cords("x4", ["DZ"]).set("initial", 30))
+        .element("S1", element("summer").cords("x1", ["A1"]))
+        .element("A2", element("integrator").cords("x1", ["S1"]));
+    let (flight, swing) = (20.0 / 30.0, TAU / 4.0);
+    assert_order_4(&built(builder), "A2", |time| {
+        let since = time + flight / 2.0;
+        let halves = (since / (flight + swing)).floor();
+        let sign = if halves.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
+        let gone = since - halves * (flight + swing);
+        sign * if gone < flight { -10.0 + 30.0 * gone } else { 10.0 + 15.0 * (2.0 * (gone - flight)).sin() }
+    });
+}
+
+/// x' = -x + min(160 t, 100) / 2: a summer that is asked for more than 100 V from 0.625 s on.
+#[test]
+fn lag_behind_an_amplifier_that_is_clipped() {
+    let builder = volts("clipped")
+        .drive("u", "volt", element("ramp").set("rate", 40))
+        .element("S1", element("summer").cords("x4", ["u"]))
+        .element("A1", element("integrator").cords("x1", ["A1"]).cords("x0.5", ["S1"]));
+    // The answer to a ramp of slope 1 that begins at t = 0 is t - 1 + exp(-t).
+    let ramp = |since: f64| if since > 0.0 { since - 1.0 + (-since).exp() } else { 0.0 };
+    assert_order_4(&built(builder), "A1", |time| 80.0 * (ramp(time) - ramp(time - 0.625)));
+}
+
+/// x' = -x - |40 sin(2 t)|: in every half period an answer to a sine that begins at 0.
+#[test]
+fn lag_behind_a_rectifier() {
+    let builder = volts("rectifier")
+        .drive("u", "volt", element("sine").set("amplitude", 40).set("frequency", "1 / pi"))
+        .element("AB", element("absolute").cord("in", "u"))
+        .element("A1", element("integrator").cords("x1", ["A1", "AB"]));
+    let answer = |from: f64, since: f64| {
+        let ((sine, cosine), gone) = ((2.0 * since).sin_cos(), (-since).exp());
+        from * gone - 40.0 / 5.0 * (sine - 2.0 * cosine + 2.0 * gone)
+    };
+    assert_order_4(&built(builder), "A1", |time| {
+        let half = TAU / 4.0;
+        let halves = (time / half).floor();
+        let from = (0..halves as usize).fold(0.0, |from, _| answer(from, half));
+        answer(from, time - halves * half)
+    });
+}
+
+/// x' = -x - f(u), f three straight segments, u a ramp of 20 V/s that meets their corners at 1 s and 2 s.
+#[test]
+fn lag_behind_a_function_generator() {
+    let points = serde_json::json!([[0, 0], [20, 10], [40, -20], [60, 0]]);
+    let builder = volts("generator")
+        .drive("u", "volt", element("ramp").set("rate", 20))
+        .element("FG", element("function-generator").cord("in", "u").set("points", points))
+        .element("A1", element("integrator").cords("x1", ["A1", "FG"]));
+    let ramp = |since: f64| if since > 0.0 { since - 1.0 + (-since).exp() } else { 0.0 };
+    assert_order_4(&built(builder), "A1", |time| {
+        -10.0 * ramp(time) + 40.0 * ramp(time - 1.0) - 50.0 * ramp(time - 2.0)
+    });
+}
+
+/// Stick-slip of Fig 8.16 over its first 2 s: 484 kinks, most of them of the dead zone that is its friction.
+#[test]
+fn stick_slip_of_fig_8_16() {
+    let program = program(&slideway(), &[]);
+    let instants: Vec<f64> = (1..=200).map(|hundredth| f64::from(hundredth) / 100.0).collect();
+    let course = |mut machine: Machine<'_>| -> Vec<f64> {
+        let at = |instant: &f64| {
+            machine.operate(instant - machine.time()).unwrap();
+            voltage(&machine, "B3")
+        };
+        instants.iter().map(at).collect()
+    };
+    let exact = course(Machine::adaptive(&program, 1e-11, 2e-5).unwrap());
+    let steps = [2e-4, 1e-4, 5e-5, 2.5e-5];
+    let errors = steps.map(|step| {
+        let found = course(Machine::new(&program, step).unwrap());
+        found.iter().zip(&exact).map(|(found, exact)| (found - exact).abs()).fold(0.0, f64::max)
+    });
+    let reached = order(&steps, &errors);
+    assert!((3.9..=4.1).contains(&reached), "order {reached} from {errors:?}");
 }

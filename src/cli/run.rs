@@ -15,7 +15,7 @@ use patchcord::circuit::Circuit;
 use patchcord::patch::{Placed, RunPlan, Span};
 use patchcord::program::Program;
 use patchcord::solve::{self, RunError, RunSettings, Stopped, TimeSetting};
-use patchcord::trace::Trace;
+use patchcord::trace::{Trace, Work};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -27,6 +27,9 @@ pub(super) struct Arguments {
     /// Step of the solver, in problem seconds
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     step: Option<f64>,
+    /// Steps as long as this allows: what the errors of all steps may add up to, as a share of 100 V, say 1e-6
+    #[arg(long = "tol", value_name = "SHARE", value_parser = share, conflicts_with = "step")]
+    tolerance: Option<f64>,
     /// Time between recorded samples, in problem seconds
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     every: Option<f64>,
@@ -49,6 +52,15 @@ fn seconds(text: &str) -> Result<f64, String> {
         Ok(seconds)
     } else {
         Err("a time above 0 s is wanted".to_owned())
+    }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number"))?;
+    if share > 0.0 && share < 1.0 {
+        Ok(share)
+    } else {
+        Err("a number between 0 and 1 is wanted, say 1e-6".to_owned())
     }
 }
 
@@ -115,6 +127,11 @@ impl Arguments {
         let given = |value| Placed { value, span: Span::default() };
         plan.duration = self.duration.map(given).or(plan.duration);
         plan.step = self.step.map(given).or(plan.step);
+        // Who gives a step wants equal ones, who gives a tolerance does not.
+        plan.tolerance = match self.step {
+            Some(_) => None,
+            None => self.tolerance.map(given).or(plan.tolerance),
+        };
         plan.every = self.every.map(given).or(plan.every);
         plan.repeat = self.repeat.map(|times| given(f64::from(times))).or(plan.repeat);
         plan.hold_on_overload |= self.hold_on_overload;
@@ -202,14 +219,17 @@ pub(super) fn with_advice(error: &RunError) -> String {
 
 /// The options that put an error right.
 fn advice(error: &RunError) -> Option<String> {
-    let option = |time: &TimeSetting| format!("--{}", time.key());
+    let option = |time: &TimeSetting| match time {
+        TimeSetting::Step => "--step or --tol".to_owned(),
+        _ => format!("--{}", time.key()),
+    };
     match error {
         RunError::Missing(times) => {
             Some(format!("give {}", times.iter().map(option).collect::<Vec<_>>().join(" and ")))
         }
         RunError::LongerThanRun { which, .. } => Some(format!("give a shorter one with {}", option(which))),
         RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => {
-            Some("give one with --step".to_owned())
+            Some("give one with --step, or a tolerance with --tol".to_owned())
         }
         RunError::TooManySteps { .. } => {
             Some("give a longer --step or a shorter --for, or repeat it less".to_owned())
@@ -220,9 +240,18 @@ fn advice(error: &RunError) -> Option<String> {
 }
 
 fn work_told(trace: &Trace) -> String {
-    let steps = trace.sweeps.iter().map(|sweep| sweep.work.steps).sum();
-    let switchings = trace.sweeps.iter().map(|sweep| sweep.work.changes).sum();
-    format!("{}, {}\n", plural(steps, "step"), plural(switchings, "switching"))
+    let total = |count: fn(&Work) -> u64| trace.sweeps.iter().map(|sweep| count(&sweep.work)).sum::<u64>();
+    let rejected = match total(|work| work.rejections) {
+        0 => String::new(),
+        rejections => format!(" ({rejections} more tried too long)"),
+    };
+    let [steps, switchings, kinks, evaluations] = [
+        plural(total(|work| work.steps), "step"),
+        plural(total(|work| work.changes), "switching"),
+        plural(total(|work| work.crossings), "kink"),
+        plural(total(|work| work.evaluations), "evaluation"),
+    ];
+    format!("{steps}{rejected}, {switchings}, {kinks}, {evaluations}\n")
 }
 
 fn overloads_told(trace: &Trace) -> String {
@@ -244,6 +273,7 @@ fn run_document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files:
         "run": {
             "for": settings.duration(),
             "step": settings.step,
+            "tolerance": settings.tolerance,
             "every": settings.every,
             "repeat": trace.sweeps.len(),
             "hold_on_overload": settings.hold_on_overload,
@@ -254,6 +284,9 @@ fn run_document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files:
             "end": sweep.end,
             "steps": sweep.work.steps,
             "switchings": sweep.work.changes,
+            "kinks": sweep.work.crossings,
+            "rejections": sweep.work.rejections,
+            "evaluations": sweep.work.evaluations,
             "held": sweep.held,
             "overloads": sweep.overloads.iter().map(overload_json).collect::<Value>(),
         })).collect::<Value>(),

@@ -13,6 +13,7 @@ pub(super) fn run(node: &Node, findings: &mut Findings) -> RunPlan {
     let mut plan = RunPlan {
         duration: positive(&mut fields, "for", findings),
         step: positive(&mut fields, "step", findings),
+        tolerance: positive(&mut fields, "tolerance", findings),
         every: positive(&mut fields, "every", findings),
         repeat: whole(&mut fields, "repeat", "runs", findings),
         hold_on_overload: fields

@@ -120,6 +120,8 @@ pub struct RunPlan {
     pub duration: Option<Placed<f64>>,
     /// Step of the solver.
     pub step: Option<Placed<f64>>,
+    /// What the errors of all steps may add up to, in machine units of 100 V: steps are then as long as that allows.
+    pub tolerance: Option<Placed<f64>>,
     /// Time between recorded samples; the step where absent.
     pub every: Option<Placed<f64>>,
     /// How many times to run from initial condition (repetitive operation), where it has no phases.

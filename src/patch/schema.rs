@@ -113,6 +113,11 @@ fn run() -> Value {
         json!({
             "for": time,
             "step": time,
+            "tolerance": {
+                "type": "number",
+                "exclusiveMinimum": 0,
+                "description": "what the errors of all steps may add up to, in machine units of 100 V",
+            },
             "every": time,
             "repeat": {"type": "integer", "minimum": 1, "description": "runs from initial condition"},
             "hold_on_overload": {"type": "boolean"},

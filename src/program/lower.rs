@@ -24,6 +24,7 @@ impl Program {
         lowering.scales();
         lowering.switches();
         lowering.orders();
+        lowering.program.kinks = lowering.program.find_kinks(&lowering.owners);
         super::check::check(circuit, &lowering.program)?;
         Ok(lowering.program)
     }
@@ -35,6 +36,8 @@ pub struct Lowering<'c> {
     pub(super) program: Program,
     /// The element whose law is being emitted.
     pub(super) current: usize,
+    /// Of every operation of the body, the element whose law emitted it.
+    owners: Vec<usize>,
     pub(super) outputs: Vec<Option<Register>>,
     pub(super) own_state: HashMap<usize, u32>,
     pub(super) own_mode: HashMap<usize, ModeHandle>,
@@ -66,6 +69,7 @@ impl<'c> Lowering<'c> {
             circuit,
             program,
             current: 0,
+            owners: Vec::new(),
             outputs: vec![None; elements.len()],
             own_state: HashMap::new(),
             own_mode: HashMap::new(),
@@ -197,6 +201,7 @@ impl<'c> Lowering<'c> {
 
     pub(super) fn emit(&mut self, op: Op) -> Register {
         self.program.body.push(op);
+        self.owners.push(self.current);
         Register(self.program.body.len() as u32 - 1)
     }
 }

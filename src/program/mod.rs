@@ -7,6 +7,7 @@ mod check;
 mod coefficient;
 mod curved;
 mod evaluate;
+mod kinks;
 mod linearise;
 mod loops;
 mod lower;
@@ -29,6 +30,7 @@ pub use op::{Op, Register};
 pub(crate) use check::{remedy, tell};
 pub(crate) use coefficient::{Fault, Unfit};
 pub(crate) use evaluate::Scratch;
+pub(crate) use kinks::{Crossing, Kink, ON_THE_KINK};
 pub(crate) use loops::LoopFault;
 pub(crate) use noise::{Distribution, Noise};
 pub(crate) use op::Sources;
@@ -58,6 +60,8 @@ pub struct Program {
     /// Problem times, rising, at which tables have corners: no step reaches across one.
     pub(crate) corners: Vec<f64>,
     pub(crate) loops: Vec<Loop>,
+    /// Where rates turn corners.
+    pub(crate) kinks: Vec<Kink>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) signals: Vec<Probe>,
     pub(crate) scales: Vec<ScaleSlot>,

@@ -100,6 +100,23 @@ impl<N: Number> Sources<'_, N> {
 }
 
 impl Op {
+    /// The registers that it reads.
+    pub(crate) fn operands(self) -> impl Iterator<Item = Register> {
+        let operands = match self {
+            Op::Absolute(a) | Op::Table(_, a) => [Some(a), None, None, None],
+            Op::Add(a, b)
+            | Op::Subtract(a, b)
+            | Op::Multiply(a, b)
+            | Op::Divide(a, b)
+            | Op::Minimum(a, b)
+            | Op::Maximum(a, b)
+            | Op::Call(_, a, b) => [Some(a), Some(b), None, None],
+            Op::Select { left, right, then, otherwise } => [left, right, then, otherwise].map(Some),
+            _ => [None; 4],
+        };
+        operands.into_iter().flatten()
+    }
+
     /// The operation's value; a tear has none of its own and must be solved by the caller.
     #[inline(always)]
     pub(crate) fn apply<N: Number>(self, from: &Sources<'_, N>, get: impl Fn(Register) -> N) -> N {

@@ -43,6 +43,19 @@ pub enum RunError {
         /// When, in problem seconds.
         time: f64,
     },
+    /// A voltage that no step is short enough to follow.
+    #[error(
+        "{element} cannot be followed at t = {time} s: even a step of {step} s is not right to the tolerance; take a \
+         larger one, or look for what makes the voltage run away there"
+    )]
+    StepTooShort {
+        /// The integrator or lag whose error is largest.
+        element: String,
+        /// When, in problem seconds.
+        time: f64,
+        /// The step that was too long, in problem seconds.
+        step: f64,
+    },
     /// A delay shorter than the step.
     #[error(
         "{element} delays by {delay} s, less than the step of {step} s; take a step of at most {delay} s",
@@ -158,6 +171,12 @@ pub enum RunError {
         /// What was given.
         value: f64,
     },
+    /// A tolerance that is none.
+    #[error("the tolerance must be a number above 0, not {value}", value = told(*value))]
+    NotATolerance {
+        /// What was given.
+        value: f64,
+    },
     /// A step, or a time between samples, that is longer than the run.
     #[error(
         "{which} is {value} s, longer than the run of {duration} s",
@@ -229,6 +248,7 @@ impl RunError {
             RunError::NotANumber { .. } => "not-a-number",
             RunError::Loop { .. } => "loop-unsolved",
             RunError::Chatter { .. } => "chatter",
+            RunError::StepTooShort { .. } => "step-too-short",
             RunError::DelayTooShort { .. } => "delay-too-short",
             RunError::LagTooShort { .. } => "lag-too-short",
             RunError::UnknownParameter(_) => "unknown-parameter",
@@ -246,6 +266,7 @@ impl RunError {
             RunError::NoiseTooFine { .. } => "noise-too-fine",
             RunError::Missing(_) => "missing-time",
             RunError::NotATime { .. } => "not-a-time",
+            RunError::NotATolerance { .. } => "not-a-tolerance",
             RunError::LongerThanRun { .. } => "longer-than-run",
             RunError::TooManySteps { .. } => "too-many-steps",
             RunError::TooManyNumbers { .. } => "too-many-numbers",

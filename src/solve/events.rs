@@ -1,27 +1,59 @@
-//! Changes of mode: found within a step, stepped to, carried out.
+//! Changes of mode and kinks: found within a step, stepped to, carried out.
 
 use super::error::RunError;
 use super::machine::{Machine, Witness};
-use crate::program::{Guard, Transition};
+use crate::program::{Crossing, Guard, ON_THE_KINK, Transition};
 
-/// More changes of one mode than this within one step are chatter.
+/// More changes of one mode, or crossings of one kink, than this within one step are chatter.
 const MOST_CHANGES: u32 = 1000;
-/// A change is found when its place in the step is known to this share of the step.
+/// An event is found when its place in the step is known to this share of the step.
 const FOUND: f64 = 1e-13;
 /// One look in three halves at least: this many make the rest smaller than the step's rounding.
 const MOST_LOOKS: usize = 150;
 
+/// What a step must not reach across.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Event {
+    /// A change of mode.
+    Change(Guard),
+    /// The kink of this index.
+    Kink(usize, Crossing),
+}
+
+impl Event {
+    /// How far past it voltages are; negative before it.
+    fn excess(self, registers: &[f64]) -> f64 {
+        match self {
+            Event::Change(guard) => guard.excess(registers),
+            Event::Kink(_, crossing) => crossing.excess(registers),
+        }
+    }
+
+    /// Whether a step may end here, a little before it: on a kink either side will do.
+    fn is_near(self, excess: f64) -> bool {
+        matches!(self, Event::Kink(..)) && excess.abs() <= ON_THE_KINK
+    }
+}
+
 impl Machine<'_> {
     /// Goes to a time, stopping for every change of mode and every echo of one on the way.
-    pub(super) fn advance(&mut self, target: f64, witness: &mut impl Witness) -> Result<(), RunError> {
+    pub(super) fn advance(&mut self, mut target: f64, witness: &mut impl Witness) -> Result<(), RunError> {
         self.changes.fill(0);
+        self.crossings.fill(0);
         loop {
             let end = self.end_of_stretch(target);
             let length = end - self.time;
             self.step_ahead(length);
-            let share = self.firing_ahead().map_or(1.0, |guard| self.first_change(length, guard));
+            let (share, met) = self.first_event(length);
+            if let Some(shorter) = self.refused(share * length)? {
+                target = self.time + shorter;
+                continue;
+            }
             let time = if share >= 1.0 { end } else { self.time + share * length };
             self.accept(time, witness)?;
+            if let Some(Event::Kink(kink, _)) = met {
+                self.cross(kink)?;
+            }
             let echoed = self.meet_breaks();
             if self.settle()? || echoed {
                 self.remember_values();
@@ -48,8 +80,7 @@ impl Machine<'_> {
                 }
             });
             if let Some(element) = chatters {
-                let element = self.program.name(element).to_owned();
-                return Err(RunError::Chatter { element, most: MOST_CHANGES as usize, time: self.time });
+                return Err(self.chatter(element));
             }
             if !any {
                 return Ok(self.work.changes > before);
@@ -65,43 +96,136 @@ impl Machine<'_> {
         pairs.flat_map(|(mode, value)| mode.transitions.iter().filter(move |open| open.from == *value))
     }
 
-    /// The guard of a change that is due ahead.
-    fn firing_ahead(&self) -> Option<Guard> {
-        self.open_transitions().map(|open| open.guard).find(|guard| guard.holds(&self.trial_registers))
+    /// Something that happens on the way to what was looked at ahead.
+    pub(super) fn event_ahead(&self) -> Option<Event> {
+        let mut guards = self.open_transitions().map(|open| open.guard);
+        let due = guards.find(|guard| guard.holds(&self.trial_registers)).map(Event::Change);
+        due.or_else(|| self.kink_ahead())
     }
 
-    /// The share of the step after which the first change is due, by false position (Illinois) on its guard,
-    /// kept safe by halving. Leaves the machine looking at that place.
-    fn first_change(&mut self, length: f64, mut guard: Guard) -> f64 {
-        let (mut low, mut low_excess) = (0.0, guard.excess(&self.registers));
-        let (mut high, mut high_excess) = (1.0, guard.excess(&self.trial_registers));
+    fn kink_ahead(&self) -> Option<Event> {
+        let (tables, before, after) = (&self.program.tables, &self.registers, &self.trial_registers);
+        let mut kinks = self.program.kinks.iter().enumerate();
+        kinks.find_map(|(index, kink)| Some(Event::Kink(index, kink.crossed(tables, before, after)?)))
+    }
+
+    /// The share of the step looked at after which the first event comes, and which it is. Leaves the machine looking
+    /// at that place. What comes and goes within the step is found where the stage in its middle shows it.
+    fn first_event(&mut self, length: f64) -> (f64, Option<Event>) {
+        if let Some(event) = self.event_ahead() {
+            let (share, event) = self.located(length, event);
+            return (share, Some(event));
+        }
+        if !self.hint {
+            return (1.0, None);
+        }
+        let middle = self.method.middle();
+        self.step_ahead(middle * length);
+        if let Some(event) = self.event_ahead() {
+            let (share, event) = self.located(middle * length, event);
+            return (middle * share, Some(event));
+        }
+        self.step_ahead(length);
+        (1.0, None)
+    }
+
+    /// The share of the step looked at after which the first event comes, by false position (Illinois) on its excess,
+    /// kept safe by halving.
+    fn located(&mut self, length: f64, mut event: Event) -> (f64, Event) {
+        let mut bracket = Bracket::new(event.excess(&self.registers), event.excess(&self.trial_registers));
         for look in 0..MOST_LOOKS {
-            if high - low <= FOUND {
+            if bracket.width() <= FOUND {
                 break;
             }
-            let middle = between(low, low_excess, high, high_excess, look % 3 == 2);
+            let middle = bracket.guess(look % 8 == 7);
             self.step_ahead(middle * length);
-            match self.firing_ahead() {
+            match self.event_ahead() {
                 None => {
-                    (low, low_excess) = (middle, guard.excess(&self.trial_registers));
-                    high_excess *= 0.5;
+                    let excess = event.excess(&self.trial_registers);
+                    if event.is_near(excess) {
+                        return (middle, event);
+                    }
+                    bracket.raise(middle, excess);
                 }
+                Some(first) if first == event => bracket.lower(middle, event.excess(&self.trial_registers)),
                 Some(first) => {
-                    // Of another guard's past nothing is known: the next look halves.
-                    low_excess = if first == guard { low_excess * 0.5 } else { f64::NAN };
-                    (high, high_excess, guard) = (middle, first.excess(&self.trial_registers), first);
+                    event = first;
+                    bracket.change(middle, event.excess(&self.trial_registers));
                 }
             }
         }
-        self.step_ahead(high * length);
-        high
+        self.step_ahead(bracket.high * length);
+        (bracket.high, event)
+    }
+
+    /// Takes note that the machine stands on a kink: its echo will be one.
+    fn cross(&mut self, kink: usize) -> Result<(), RunError> {
+        self.work.crossings += 1;
+        self.crossings[kink] += 1;
+        if self.crossings[kink] > MOST_CHANGES {
+            return Err(self.chatter(self.program.kinks[kink].element));
+        }
+        self.remember_break(0);
+        Ok(())
+    }
+
+    fn chatter(&self, element: usize) -> RunError {
+        let element = self.program.name(element).to_owned();
+        RunError::Chatter { element, most: MOST_CHANGES as usize, time: self.time }
     }
 }
 
-/// A place strictly between two: where the straight line between the excesses is 0, or half-way.
-fn between(low: f64, low_excess: f64, high: f64, high_excess: f64, halve: bool) -> f64 {
-    let width = high - low;
-    let line = low + width * low_excess / (low_excess - high_excess);
-    let edge = FOUND.max(width * 1e-3) * 0.5;
-    if halve || !line.is_finite() { low + 0.5 * width } else { line.clamp(low + edge, high - edge) }
+/// Shares of a step between which an event comes, with its excess at both.
+struct Bracket {
+    low: f64,
+    high: f64,
+    low_excess: f64,
+    high_excess: f64,
+    /// Which end was moved last: -1 the lower, 1 the upper one, 0 none yet.
+    moved: i8,
+}
+
+impl Bracket {
+    fn new(low_excess: f64, high_excess: f64) -> Self {
+        Bracket { low: 0.0, high: 1.0, low_excess, high_excess, moved: 0 }
+    }
+
+    fn width(&self) -> f64 {
+        self.high - self.low
+    }
+
+    /// A place strictly between the ends: where the straight line between the excesses is 0, or half-way.
+    fn guess(&self, halve: bool) -> f64 {
+        let width = self.width();
+        let line = self.low + width * self.low_excess / (self.low_excess - self.high_excess);
+        let edge = FOUND.max(width * 1e-3) * 0.5;
+        if halve || !line.is_finite() {
+            self.low + 0.5 * width
+        } else {
+            line.clamp(self.low + edge, self.high - edge)
+        }
+    }
+
+    /// Moves the lower end. An upper end that stays twice counts half (Illinois).
+    fn raise(&mut self, to: f64, excess: f64) {
+        (self.low, self.low_excess) = (to, excess);
+        if self.moved == -1 {
+            self.high_excess *= 0.5;
+        }
+        self.moved = -1;
+    }
+
+    /// Moves the upper end; the same for the lower one.
+    fn lower(&mut self, to: f64, excess: f64) {
+        (self.high, self.high_excess) = (to, excess);
+        if self.moved == 1 {
+            self.low_excess *= 0.5;
+        }
+        self.moved = 1;
+    }
+
+    /// Moves the upper end to where another event has come, of whose past nothing is known: the next guess halves.
+    fn change(&mut self, to: f64, excess: f64) {
+        (self.high, self.high_excess, self.low_excess, self.moved) = (to, excess, f64::NAN, 0);
+    }
 }

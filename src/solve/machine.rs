@@ -1,10 +1,12 @@
 //! The machine: a program with states, modes and a clock, in one of the modes of an analogue computer.
 
+use super::control::Control;
 use super::delay_line::{DelayLine, Output};
 use super::error::{RunError, TimeSetting};
 use super::grid::Grid;
 use super::noise_source::NoiseSource;
 use super::overload::{self, Lit};
+use super::tableau::{CLASSICAL, DORMAND_PRINCE, Tableau};
 use crate::program::{Linearisation, OperatingPoint, Program, Scratch, Sources};
 use crate::trace::{Overload, Work};
 
@@ -19,13 +21,12 @@ pub enum MachineMode {
     Hold,
 }
 
-/// States smaller than this, in volts, are 0: processors are slow on the smallest numbers.
-const SMALLEST: f64 = 1e-100;
-
 /// A program that can be run step by step.
 ///
-/// Time is problem time. The step is fixed: the classical Runge-Kutta method of order 4, shortened only to
-/// meet changes of mode (relays, brakes, stops), which are located within the step.
+/// Time is problem time. Steps are equal, of the classical Runge-Kutta method of order 4 ([`Machine::new`]), or as
+/// long as a tolerance allows, of the pair of orders 5 and 4 of Dormand and Prince ([`Machine::adaptive`]). They
+/// end at changes of mode (relays, brakes, stops) and at kinks (diodes, limits, tables), which are located within
+/// the step.
 #[derive(Debug, Clone)]
 pub struct Machine<'p> {
     pub(super) program: &'p Program,
@@ -34,8 +35,13 @@ pub struct Machine<'p> {
     pub(super) modes: Vec<f64>,
     /// Every voltage of now.
     pub(super) registers: Vec<f64>,
-    /// Rates of the four stages of a step; the first are those of now.
-    pub(super) rates: [Vec<f64>; 4],
+    /// The rates of now.
+    pub(super) slopes: Vec<f64>,
+    pub(super) method: &'static Tableau,
+    /// The rates of the stages of the step last looked at, and at its end.
+    pub(super) rates: Vec<Vec<f64>>,
+    /// Whether the middle of the step last looked at shows an event.
+    pub(super) hint: bool,
     pub(super) trial: Vec<f64>,
     pub(super) trial_registers: Vec<f64>,
     /// Where the last stretch began, for what is recorded within it.
@@ -55,10 +61,14 @@ pub struct Machine<'p> {
     pub(super) work: Work,
     /// Changes of every mode within the present step.
     pub(super) changes: Vec<u32>,
+    /// Crossings of every kink within the present step.
+    pub(super) crossings: Vec<u32>,
     /// How far every integrator has been driven on while it was held at a limit, in volts.
     pub(super) pushed: Vec<f64>,
     pub(super) step: f64,
     grid: Grid,
+    /// How long steps are, where they are not all as long as `step`.
+    pub(super) control: Option<Control>,
 }
 
 /// Which voltages are worked out.
@@ -75,7 +85,6 @@ enum Instant {
 pub(super) struct Stretch {
     pub time: f64,
     pub states: Vec<f64>,
-    pub rates: Vec<f64>,
 }
 
 /// Somebody who looks on while a machine runs.
@@ -109,6 +118,34 @@ impl<'p> Machine<'p> {
     /// When the step is not a time above 0, a delay or a lag is shorter than the step, or a voltage in
     /// initial condition is not a number.
     pub fn new(program: &'p Program, step: f64) -> Result<Self, RunError> {
+        Machine::begun(Machine::bare(program, step)?)
+    }
+
+    /// A machine in initial condition whose steps are as long as a tolerance allows: what the errors of the steps of
+    /// a problem second may add up to in any state, in machine units of 100 V. The first step tried is given in
+    /// problem seconds.
+    ///
+    /// # Errors
+    /// When the tolerance is not a number above 0, the step is not a time above 0, or a voltage in initial condition
+    /// is not a number.
+    pub fn adaptive(program: &'p Program, tolerance: f64, first: f64) -> Result<Self, RunError> {
+        if !(tolerance > 0.0 && tolerance.is_finite()) {
+            return Err(RunError::NotATolerance { value: tolerance });
+        }
+        let mut machine = Machine::bare(program, first)?;
+        machine.method = &DORMAND_PRINCE;
+        machine.rates = vec![vec![0.0; program.states.len()]; DORMAND_PRINCE.rates()];
+        machine.control = Some(Control::new(tolerance, first));
+        Machine::begun(machine)
+    }
+
+    fn begun(mut machine: Self) -> Result<Self, RunError> {
+        machine.check_times()?;
+        machine.initial_condition()?;
+        Ok(machine)
+    }
+
+    fn bare(program: &'p Program, step: f64) -> Result<Self, RunError> {
         if !(step > 0.0 && step.is_finite()) {
             return Err(RunError::NotATime { which: TimeSetting::Step, value: step });
         }
@@ -116,16 +153,19 @@ impl<'p> Machine<'p> {
         let coefficients = program.prepare(&parameters);
         let count = program.states.len();
         let zeros = || vec![0.0; count];
-        let mut machine = Machine {
+        Ok(Machine {
             program,
             time: 0.0,
             states: zeros(),
             modes: vec![0.0; program.modes.len()],
             registers: vec![0.0; program.body.len()],
-            rates: [zeros(), zeros(), zeros(), zeros()],
+            slopes: zeros(),
+            method: &CLASSICAL,
+            rates: vec![zeros(); CLASSICAL.rates()],
+            hint: false,
             trial: zeros(),
             trial_registers: vec![0.0; program.body.len()],
-            last: Stretch { time: 0.0, states: zeros(), rates: zeros() },
+            last: Stretch { time: 0.0, states: zeros() },
             delayed: vec![0.0; program.delays.len()],
             lines: delay_lines(program, &coefficients, step),
             kept: vec![0.0; program.kept.len()],
@@ -136,15 +176,14 @@ impl<'p> Machine<'p> {
             mode: MachineMode::InitialCondition,
             work: Work::default(),
             changes: vec![0; program.modes.len()],
+            crossings: vec![0; program.kinks.len()],
             pushed: zeros(),
             step,
             grid: Grid::new(step),
+            control: None,
             parameters,
             coefficients,
-        };
-        machine.check_times()?;
-        machine.initial_condition()?;
-        Ok(machine)
+        })
     }
 
     /// Puts every integrator at its initial condition, time at 0, and the lamps out.
@@ -185,6 +224,9 @@ impl<'p> Machine<'p> {
             return Err(RunError::NotATime { which: TimeSetting::Duration, value: length });
         }
         self.mode = MachineMode::Operate;
+        if self.control.is_some() {
+            return self.operate_within_tolerance(self.time + length, witness);
+        }
         let begin = self.time;
         let whole = self.grid.steps_in(length);
         for step in 1..=whole {
@@ -203,7 +245,7 @@ impl<'p> Machine<'p> {
     }
 
     /// Goes into hold when the witness has seen enough.
-    fn is_stopped_by(&mut self, witness: &impl Witness) -> bool {
+    pub(super) fn is_stopped_by(&mut self, witness: &impl Witness) -> bool {
         if witness.has_met() || witness.has_seen_enough(self) {
             self.hold();
         }
@@ -225,7 +267,7 @@ impl<'p> Machine<'p> {
         self.time
     }
 
-    /// The step in problem seconds.
+    /// The step in problem seconds, or the first one tried.
     pub fn step(&self) -> f64 {
         self.step
     }
@@ -292,7 +334,7 @@ impl<'p> Machine<'p> {
 
     /// The states' rates, in volts per problem second, in the order of [`Program::states`].
     pub fn rates(&self) -> &[f64] {
-        &self.rates[0]
+        &self.slopes
     }
 
     /// The states, in volts, in the order of [`Program::states`].
@@ -307,6 +349,7 @@ impl<'p> Machine<'p> {
     /// Works out every voltage of now, and the rates.
     pub(super) fn evaluate(&mut self) {
         self.scratch.faults.clear();
+        self.work.evaluations += 1;
         for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
             *delayed = line.from(self.time);
         }
@@ -342,19 +385,10 @@ impl<'p> Machine<'p> {
         self.program.evaluate(&from, registers, &mut self.scratch);
     }
 
-    /// Keeps the rates of now as those of a step's first stage.
     fn take_rates(&mut self) {
-        for (rate, state) in self.rates[0].iter_mut().zip(&self.program.states) {
+        for (rate, state) in self.slopes.iter_mut().zip(&self.program.states) {
             *rate = self.registers[state.rate.index()];
         }
-    }
-
-    /// Looks ahead by a step of this length: states and voltages at its end.
-    pub(super) fn step_ahead(&mut self, length: f64) {
-        self.scratch.faults.clear();
-        self.rk4(length);
-        self.trial.iter_mut().filter(|volts| volts.abs() < SMALLEST).for_each(|volts| *volts = 0.0);
-        self.evaluate_trial(self.time + length);
     }
 
     /// Makes what was looked at the present.
@@ -362,7 +396,6 @@ impl<'p> Machine<'p> {
         self.work.steps += 1;
         self.last.time = self.time;
         self.last.states.copy_from_slice(&self.states);
-        self.last.rates.copy_from_slice(&self.rates[0]);
         self.time = time;
         self.states.copy_from_slice(&self.trial);
         std::mem::swap(&mut self.registers, &mut self.trial_registers);

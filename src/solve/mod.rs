@@ -1,6 +1,7 @@
 //! Running a program: the machine with its modes, steps, located changes of mode, overloads, recording.
 
 mod breaks;
+mod control;
 mod delay_line;
 mod error;
 mod events;
@@ -11,8 +12,9 @@ mod noise_source;
 mod overload;
 mod player;
 mod recorder;
-mod rk4;
 mod run;
+mod stride;
+mod tableau;
 mod watch;
 
 pub use crate::patch::{Change, Phase, Until};

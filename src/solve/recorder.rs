@@ -234,33 +234,6 @@ impl Witness for Recorder<'_> {
 /// Times that differ by less than this share of themselves are the same instant.
 const SAME: f64 = 1e-12;
 
-impl Machine<'_> {
-    /// Works out the voltages of an instant within the last stretch, by the cubic through the states and
-    /// rates at its ends (Hermite).
-    fn look_back(&mut self, time: f64) {
-        let length = self.time - self.last.time;
-        let share = (time - self.last.time) / length;
-        let rest = 1.0 - share;
-        let [from_state, from_rate] = [(1.0 + 2.0 * share) * rest * rest, share * rest * rest * length];
-        let [to_state, to_rate] = [share * share * (3.0 - 2.0 * share), -share * share * rest * length];
-        for (index, trial) in self.trial.iter_mut().enumerate() {
-            let value = from_state * self.last.states[index]
-                + from_rate * self.last.rates[index]
-                + to_state * self.states[index]
-                + to_rate * self.rates[0][index];
-            let [low, high] = self.program.states[index].limits.map(|limit| self.registers[limit.index()]);
-            *trial = if value < low {
-                low
-            } else if value > high {
-                high
-            } else {
-                value
-            };
-        }
-        self.evaluate_trial(time);
-    }
-}
-
 fn find(program: &Program, name: &str) -> Result<Probe, RunError> {
     let found = program.signals.iter().find(|probe| probe.name == name).cloned();
     found.ok_or_else(|| RunError::UnknownSignal(name.to_owned()))

@@ -16,6 +16,10 @@ pub struct RunSettings {
     pub phases: Vec<Phase>,
     /// Step of the solver, above 0. Shorter is more accurate (order 4 where the circuit is smooth) and slower.
     pub step: f64,
+    /// With one, steps are as long as it allows, and `step` is the first one tried: what the errors of the steps from
+    /// one initial condition to the next may add up to in any state, in machine units of 100 V. Where motion
+    /// amplifies errors, as stick-slip does, the result is less right than that.
+    pub tolerance: Option<f64>,
     /// Time between recorded samples, above 0. Recording never changes the steps.
     pub every: f64,
     /// Whether the machine goes into hold as soon as a lamp lights. What takes time is then passed over until the
@@ -29,7 +33,7 @@ impl RunSettings {
     /// What the patch asks for.
     ///
     /// # Errors
-    /// When the patch does not say how long to run or with which step.
+    /// When the patch does not say how long to run, or neither with which step nor to which tolerance.
     pub fn of(circuit: &Circuit) -> Result<RunSettings, RunError> {
         RunSettings::new(circuit.run_plan(), circuit)
     }
@@ -37,13 +41,20 @@ impl RunSettings {
     /// What a plan asks for; recorded is what the patch records and what its pictures show.
     ///
     /// # Errors
-    /// When the plan does not say how long to run or with which step.
+    /// When the plan does not say how long to run, or neither with which step nor to which tolerance.
     pub fn new(plan: &RunPlan, circuit: &Circuit) -> Result<RunSettings, RunError> {
-        let (Some(phases), Some(step)) = (plan.all_phases(), &plan.step) else { return Err(missing(plan)) };
+        let Some(phases) = plan.all_phases() else { return Err(missing(plan)) };
+        let tolerance = plan.tolerance.as_ref().map(|placed| placed.value);
+        let step = match (&plan.step, tolerance) {
+            (Some(step), _) => step.value,
+            (None, Some(_)) => FIRST_STEP * Extent::of(&phases).longest,
+            (None, None) => return Err(missing(plan)),
+        };
         Ok(RunSettings {
             phases,
-            step: step.value,
-            every: plan.every.as_ref().map_or(step.value, |placed| placed.value),
+            step,
+            tolerance,
+            every: plan.every.as_ref().map_or(step, |placed| placed.value),
             hold_on_overload: plan.hold_on_overload,
             record: circuit.recorded(),
         })
@@ -87,12 +98,15 @@ impl RunSettings {
                 return Err(RunError::LongerThanRun { which, value, duration: extent.longest });
             }
         }
+        if let Some(value) = self.tolerance.filter(|value| !(*value > 0.0 && value.is_finite())) {
+            return Err(RunError::NotATolerance { value });
+        }
         self.check_size(extent)
     }
 
     fn check_size(&self, extent: Extent) -> Result<(), RunError> {
         let steps = extent.operated / self.step;
-        if steps > MOST_STEPS {
+        if self.tolerance.is_none() && steps > MOST_STEPS {
             return Err(RunError::TooManySteps { steps, most: MOST_STEPS });
         }
         // Every phase may write a sample where it begins.
@@ -123,9 +137,15 @@ fn check_phase(phase: &Phase) -> Result<(), RunError> {
 }
 
 fn missing(plan: &RunPlan) -> RunError {
-    let times = [(TimeSetting::Duration, &plan.duration), (TimeSetting::Step, &plan.step)];
-    RunError::Missing(times.iter().filter(|(_, given)| given.is_none()).map(|(which, _)| *which).collect())
+    let times = [
+        (TimeSetting::Duration, plan.duration.is_some()),
+        (TimeSetting::Step, plan.step.is_some() || plan.tolerance.is_some()),
+    ];
+    RunError::Missing(times.iter().filter(|(_, given)| !given).map(|(which, _)| *which).collect())
 }
+
+/// Of the run: the first step tried where a plan gives a tolerance only.
+const FIRST_STEP: f64 = 1e-3;
 
 /// More steps than this, hours of work, are a slip of the pen.
 pub(super) const MOST_STEPS: f64 = 1e10;
@@ -185,7 +205,10 @@ fn ready<'p, 'w>(
 ) -> Result<Player<'p, 'w>, RunError> {
     settings.check()?;
     player::check(program, &settings.phases)?;
-    let machine = Machine::new(program, settings.step)?;
+    let machine = match settings.tolerance {
+        Some(tolerance) => Machine::adaptive(program, tolerance / settings.duration(), settings.step)?,
+        None => Machine::new(program, settings.step)?,
+    };
     let operated = Extent::of(&settings.phases).operated;
     machine.check_noise(operated)?;
     let recorder = Recorder::new(program, &machine, settings, progress)?;

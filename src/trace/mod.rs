@@ -40,10 +40,16 @@ pub struct Sweep {
 /// What a run took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Work {
-    /// Steps, those shortened to meet a change of mode counted too.
+    /// Steps, those shortened to meet a change of mode or a kink counted too.
     pub steps: u64,
     /// Changes of mode of elements and drives: what the command line calls switchings.
     pub changes: u64,
+    /// Kinks stepped to: where the curve of a diode, a limit or a table turns a corner.
+    pub crossings: u64,
+    /// Steps that were not right to the tolerance, and were tried again shorter.
+    pub rejections: u64,
+    /// How often the circuit was worked out; what recording looks at is not counted.
+    pub evaluations: u64,
 }
 
 /// An overload lamp that lit. Lamps stay lit until the next initial condition.

@@ -315,12 +315,16 @@ fn missing_run_is_told(inverter: &str) {
     fs::write(&file, text.replace(",\n  \"run\": {\"for\": 3.25, \"step\": 1e-3}", "")).unwrap();
     let ran = patchcord(&["run", &file]);
     assert_eq!(code(&ran), 2);
-    assert!(errors(&ran).contains("give --for and --step"), "{}", errors(&ran));
+    assert!(errors(&ran).contains("give --for and --step or --tol"), "{}", errors(&ran));
     let checked = patchcord(&["check", &file]);
     assert_eq!((code(&checked), errors(&checked).as_str()), (0, ""));
     let ran = patchcord(&["run", &file, "--for", "1", "--step", "1e-3"]);
     assert_eq!(code(&ran), 2);
-    assert!(errors(&ran).contains("give one with --step\n  --> "), "{}", errors(&ran));
+    assert!(
+        errors(&ran).contains("give one with --step, or a tolerance with --tol\n  --> "),
+        "{}",
+        errors(&ran)
+    );
 }
 
 #[test]

@@ -96,7 +96,8 @@ impl Slideway {
         changes
     }
 
-    /// Output velocity at 0, every, 2 every, ... by the classical Runge-Kutta method with this step.
+    /// Output velocity at 0, every, 2 every, ... by the classical Runge-Kutta method with this step, no part of which
+    /// reaches across a kink.
     pub fn velocity(&self, duration: f64, every: f64, step: f64) -> Vec<f64> {
         let (rows, steps) = ((duration / every).round() as usize, (every / step).round() as usize);
         let mut state = AT_REST;
@@ -114,10 +115,35 @@ impl Slideway {
     fn stepped_to_turn(&self, state: State, time: f64, step: f64) -> State {
         let before = self.v_turn - time;
         if before <= 0.0 || before >= step {
-            return self.stepped(state, time, step);
+            return self.stepped_to_kinks(state, time, step);
         }
-        let turning = self.stepped(state, time, before);
-        self.stepped(turning, self.v_turn, step - before)
+        let turning = self.stepped_to_kinks(state, time, before);
+        self.stepped_to_kinks(turning, self.v_turn, step - before)
+    }
+
+    /// A step, in as many parts as there are kinks inside it, each found by halving.
+    fn stepped_to_kinks(&self, state: State, time: f64, step: f64) -> State {
+        let before = self.kinks(state);
+        let crosses =
+            |state: State| before.iter().zip(self.kinks(state)).any(|(before, after)| before * after < 0.0);
+        let whole = self.stepped(state, time, step);
+        if !crosses(whole) {
+            return whole;
+        }
+        let (mut low, mut high) = (0.0, step);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if crosses(self.stepped(state, time, middle)) { high = middle } else { low = middle }
+        }
+        self.stepped_to_kinks(self.stepped(state, time, high), time + high, step - high)
+    }
+
+    /// What turns a corner in the rates where it passes 0: edges of the dead zone, the velocity's sign, VcL, and the
+    /// memory's end.
+    fn kinks(&self, [error, velocity, memory]: State) -> [f64; 6] {
+        let spring = self.stiffness * (error + self.x_step);
+        let friction = self.friction(self.share(velocity), memory);
+        [spring - friction, spring + friction, velocity, velocity - self.vcl, velocity + self.vcl, memory]
     }
 
     fn stepped(&self, state: State, time: f64, step: f64) -> State {
@@ -133,10 +159,15 @@ impl Slideway {
 
     fn rates(&self, [error, velocity, memory]: State, time: f64) -> State {
         let spring = self.stiffness * (error + self.x_step);
-        let share = 1.0 - (velocity.abs() / self.vcl).min(1.0);
+        let share = self.share(velocity);
         let accelerating = beyond(spring, self.friction(share, memory)) - self.viscous * velocity;
         let commanded = self.v_start + self.v_rate * time.min(2.0 * self.v_turn - time);
         [commanded - velocity, accelerating / self.mass, (share - memory) / self.tc]
+    }
+
+    /// What is left of friction at a velocity, before the law's own curve.
+    fn share(&self, velocity: f64) -> f64 {
+        1.0 - (velocity.abs() / self.vcl).min(1.0)
     }
 
     fn friction(&self, share: f64, memory: f64) -> f64 {
@@ -163,10 +194,10 @@ fn beyond(force: f64, friction: f64) -> f64 {
 /// Compared over this time, in seconds, at instants this far apart, against equations with this step.
 const COMPARED: f64 = 0.2;
 const EVERY: f64 = 1e-3;
-const FINE_STEP: f64 = 1e-7;
+const FINE_STEP: f64 = 1e-6;
 /// Wiring at its own step and equations at the fine one may differ by this share of the peak velocity;
-/// the steps over the kinks come to 6.1e-5 at the worst of the settings here.
-const TOLERANCE: f64 = 1e-4;
+/// they come to 6.1e-7 at the worst of the settings here.
+const TOLERANCE: f64 = 2e-6;
 
 /// Output velocity of the wiring at its own step, unless a lamp lit.
 pub fn wired(stem: &str, slideway: &Slideway, duration: f64) -> Option<Vec<f64>> {

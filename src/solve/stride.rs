@@ -1,0 +1,84 @@
+//! A step of any Runge-Kutta method, and the curve within it.
+
+use super::machine::Machine;
+use super::tableau::Share;
+use crate::machines::REFERENCE;
+
+/// States smaller than this, in volts, are 0: processors are slow on the smallest numbers.
+const SMALLEST: f64 = 1e-100;
+
+impl Machine<'_> {
+    /// Looks ahead by a step of this length, from the present states and their rates: states and voltages at its
+    /// end. Modes stay as they are.
+    pub(super) fn step_ahead(&mut self, length: f64) {
+        self.scratch.faults.clear();
+        self.work.evaluations += self.method.rates() as u64 - 1;
+        self.rates[0].copy_from_slice(&self.slopes);
+        for (stage, row) in self.method.stages.iter().enumerate() {
+            self.trial_from(row.from, length);
+            self.evaluate_trial(self.time + row.at * length);
+            self.keep_rates(stage + 1);
+            if stage == self.method.middle {
+                self.hint = self.event_ahead().is_some();
+            }
+        }
+        self.trial_from(self.method.end, length / self.method.parts);
+        self.trial.iter_mut().filter(|volts| volts.abs() < SMALLEST).for_each(|volts| *volts = 0.0);
+        self.evaluate_trial(self.time + length);
+        self.keep_rates(self.method.rates() - 1);
+    }
+
+    fn trial_from(&mut self, shares: &[Share], length: f64) {
+        for (index, (trial, state)) in self.trial.iter_mut().zip(&self.states).enumerate() {
+            *trial = state + length * combined(&self.rates, shares, index);
+        }
+    }
+
+    fn keep_rates(&mut self, stage: usize) {
+        for (rate, state) in self.rates[stage].iter_mut().zip(&self.program.states) {
+            *rate = self.trial_registers[state.rate.index()];
+        }
+    }
+
+    /// The state in which two orders differ most over the step looked at, and by how many machine units (100 V).
+    pub(super) fn worst_error(&self, length: f64) -> (usize, f64) {
+        let error = |state| length * combined(&self.rates, self.method.difference, state).abs() / REFERENCE;
+        let larger = |worst: (usize, f64), state| {
+            let error = error(state);
+            if error > worst.1 || error.is_nan() { (state, error) } else { worst }
+        };
+        (0..self.states.len()).fold((0, 0.0), larger)
+    }
+
+    /// Works out the voltages of an instant within the last stretch: by the cubic through the states and rates at
+    /// its ends (Hermite), and what the method knows beyond it.
+    pub(super) fn look_back(&mut self, time: f64) {
+        let length = self.time - self.last.time;
+        let share = (time - self.last.time) / length;
+        let rest = 1.0 - share;
+        let [from_state, from_rate] = [(1.0 + 2.0 * share) * rest * rest, share * rest * rest * length];
+        let [to_state, to_rate] = [share * share * (3.0 - 2.0 * share), -share * share * rest * length];
+        let bulge = length * (share * rest) * (share * rest);
+        for (index, trial) in self.trial.iter_mut().enumerate() {
+            let value = from_state * self.last.states[index]
+                + from_rate * self.rates[0][index]
+                + to_state * self.states[index]
+                + to_rate * self.slopes[index]
+                + bulge * combined(&self.rates, self.method.bulge, index);
+            let [low, high] = self.program.states[index].limits.map(|limit| self.registers[limit.index()]);
+            *trial = if value < low {
+                low
+            } else if value > high {
+                high
+            } else {
+                value
+            };
+        }
+        self.evaluate_trial(time);
+    }
+}
+
+/// Rates of a state, each times its share.
+fn combined(rates: &[Vec<f64>], shares: &[Share], state: usize) -> f64 {
+    shares.iter().map(|(stage, share)| share * rates[*stage][state]).sum()
+}
