@@ -34,7 +34,9 @@ pub(super) fn once(patch: &Patch, findings: Vec<Diagnostic>) -> Vec<Diagnostic> 
         if first == told.len() {
             told.push((finding, HashSet::new()));
         }
-        told[first].1.insert(instance);
+        // What names none comes from one instance each time.
+        let unnamed = instance.is_empty().then(|| told[first].1.len().to_string());
+        told[first].1.insert(unnamed.unwrap_or(instance));
     }
     let others = |instances: HashSet<String>| instances.len().saturating_sub(1);
     told.into_iter().map(|(finding, instances)| with_others(finding, others(instances))).collect()

@@ -182,8 +182,8 @@ impl Cords<'_> {
             return;
         }
         let known: Vec<_> = gains.iter().map(|gain| format!("x{gain}")).collect();
-        let message =
-            format!("the {} has no {} with an input gain x{gain}", self.machine.name, self.entry.kind.name);
+        let (name, kind, machine) = (&self.name, self.entry.kind.name, self.machine.name);
+        let message = format!("{name} has an input gain x{gain}, as no {kind} of the {machine} has");
         let hint = format!("it has {}: put a pot in front of one of these", known.join(", "));
         findings.push(Diagnostic::at(Code::MissingGain, jack.span, message).hint(hint));
     }

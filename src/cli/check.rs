@@ -7,13 +7,13 @@ use serde_json::{Value, json};
 use super::failure::{Failure, plural};
 use super::load::{Loaded, PatchArguments, parameters_json, problem_check};
 use super::overloads::{overload_json, overload_told};
-use super::run::with_advice;
+use super::run::advice;
 use super::table::Table;
 use super::{say, say_json};
 use patchcord::circuit::{Circuit, ScalingRow};
 use patchcord::patch::{Instance, Report};
 use patchcord::program::Program;
-use patchcord::solve::{RunError, RunSettings};
+use patchcord::solve::{self, RunError, RunSettings};
 use patchcord::trace::Overload;
 
 #[derive(Args)]
@@ -91,15 +91,23 @@ fn summary(circuit: &Circuit, program: &Program, overloads: &[Overload]) -> Stri
     for (order, overload) in overloads.iter().enumerate() {
         text += &format!("{}\n", overload_told(order, overload));
     }
-    if let Some(error) = unready(circuit) {
-        text += &format!("cannot be run as it stands: {}\n", with_advice(&error));
+    if let Some(error) = unready(circuit, program) {
+        text += &format!("cannot be run as it stands: {}\n", what_run_needs(&error));
     }
     text
 }
 
 /// What a run as the patch asks for it would be refused for.
-fn unready(circuit: &Circuit) -> Option<RunError> {
-    RunSettings::of(circuit).and_then(|settings| settings.check()).err()
+fn unready(circuit: &Circuit, program: &Program) -> Option<RunError> {
+    RunSettings::of(circuit).and_then(|settings| solve::check(program, &settings)).err()
+}
+
+/// What an error says, and which option of another command helps.
+fn what_run_needs(error: &RunError) -> String {
+    match advice(error) {
+        Some(advice) => format!("{error}; to `patchcord run` {advice}"),
+        None => error.to_string(),
+    }
 }
 
 /// The macros that are used, with their instances.
@@ -166,7 +174,8 @@ fn document(circuit: &Circuit, program: &Program, statics: &Statics) -> Value {
             "instances": instances.iter().map(|(name, instance)| instance_json(name, instance)).collect::<Value>(),
         })).collect::<Value>(),
         "loops": program.loops().iter().map(|entry| json!(entry.members)).collect::<Value>(),
-        "cannot_be_run": unready(circuit).map(|error| json!({"code": error.code(), "error": with_advice(&error)})),
+        "cannot_be_run": unready(circuit, program)
+            .map(|error| json!({"code": error.code(), "error": what_run_needs(&error)})),
         "overloads": statics.overloads.iter().map(overload_json).collect::<Value>(),
         "voltages": statics.voltages.iter().map(|read| json!({
             "element": read.element, "kind": read.kind, "volts": read.volts,

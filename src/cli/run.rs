@@ -163,7 +163,7 @@ impl Arguments {
         let Some(last) = stopped.trace.time.last() else { return self.refused(&stopped.error, circuit) };
         let (phase, place) = (phase_told(&stopped.trace), place_told(&stopped.error, circuit));
         let failure = |more: &str| {
-            let message = format!("{phase}{}{place}{more}", stopped.error);
+            let message = format!("{phase}{}{place}{more}", with_advice(&stopped.error));
             Failure::data(message).with("code", stopped.error.code().into())
         };
         if files.paths().next().is_none() {
@@ -210,7 +210,7 @@ fn place_told(error: &RunError, circuit: &Circuit) -> String {
 }
 
 /// What an error says, and which option helps.
-pub(super) fn with_advice(error: &RunError) -> String {
+fn with_advice(error: &RunError) -> String {
     match advice(error) {
         Some(advice) => format!("{error}: {advice}"),
         None => error.to_string(),
@@ -218,7 +218,7 @@ pub(super) fn with_advice(error: &RunError) -> String {
 }
 
 /// The options that put an error right.
-fn advice(error: &RunError) -> Option<String> {
+pub(super) fn advice(error: &RunError) -> Option<String> {
     let option = |time: &TimeSetting| match time {
         TimeSetting::Step => "--step or --tol".to_owned(),
         _ => format!("--{}", time.key()),

@@ -131,7 +131,8 @@ impl TableFile {
         let mut faults = Vec::new();
         for axis in [0, 1] {
             let Some(comment) = &rows.units[axis] else { continue };
-            let Ok(told) = Unit::parse(&comment.text) else {
+            let told = Unit::parse(&comment.text).ok().filter(|_| !comment.text.trim().is_empty());
+            let Some(told) = told else {
                 faults.push(no_unit(&rows.names[axis], comment, path, axis));
                 continue;
             };
@@ -181,7 +182,8 @@ fn no_unit(name: &str, comment: &Told, path: &Path, axis: usize) -> Fault {
 fn order_hint(rows: &Rows) -> &'static str {
     let has = |column: &str| rows.names[0] == "t" && rows.all_names.iter().any(|name| name == column);
     let Some(pair) = rows.points.windows(2).find(|pair| pair[1][0] <= pair[0][0]) else { return SORT };
-    if pair[1][0] < pair[0][0] && has("run") {
+    let begins_anew = pair[1][0] < pair[0][0] || pair[1][0] == 0.0;
+    if begins_anew && has("run") {
         "the table holds several runs (initial_condition, repeat), and t begins anew with each: keep the lines of \
          one \"run\""
     } else if pair[1][0] == pair[0][0] && has("phase") {

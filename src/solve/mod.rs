@@ -21,4 +21,4 @@ pub use crate::patch::{Change, Phase, Until};
 pub use crate::trace::{Overload, Work};
 pub use error::{RunError, Stopped, TimeSetting};
 pub use machine::{Machine, MachineMode};
-pub use run::{RunSettings, machine_after, run, run_watched};
+pub use run::{RunSettings, check, machine_after, run, run_watched};

@@ -119,11 +119,11 @@ impl<'p, 'w> Player<'p, 'w> {
     fn hold(&mut self, time: f64) -> Result<(), RunError> {
         self.recorder.show(&self.machine);
         self.machine.hold();
-        if self.recorder.has_seen_enough(&self.machine) {
-            self.is_held = true;
-            return Ok(());
-        }
         self.marked(Deed::Hold, |player| {
+            if player.recorder.has_seen_enough(&player.machine) {
+                player.is_held = true;
+                return Ok(Ending::Overload);
+            }
             player.recorder.hold(&player.machine, time);
             Ok(Ending::Time)
         })

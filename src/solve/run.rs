@@ -197,6 +197,14 @@ pub fn machine_after<'p>(
     Ok(player.into_machine())
 }
 
+/// Whether a run can begin: all that can be told without running it.
+///
+/// # Errors
+/// Those of [`run`] for which no step is taken.
+pub fn check(program: &Program, settings: &RunSettings) -> Result<(), RunError> {
+    ready(program, settings, &mut |_| ()).map(|_| ())
+}
+
 /// A machine and its recorder, everything checked.
 fn ready<'p, 'w>(
     program: &'p Program,

@@ -31,7 +31,8 @@ fn check_tells_what_keeps_a_patch_from_being_run() {
     let run = "{\"for\": 3.25, \"step\": 1e-3}";
     let (_folder, file) = spring_with(run, "{\"step\": 1e-3}");
     let told = out(&patchcord(&["check", &file]));
-    let wanted = "cannot be run as it stands: the patch's \"run\" does not give the length of the run (\"for\"): give --for";
+    let wanted = "cannot be run as it stands: the patch's \"run\" does not give the length of the run (\"for\"); \
+                  to `patchcord run` give --for\n";
     assert!(told.contains(wanted), "{told}");
     let document = json(&patchcord(&["check", &file, "--json"]));
     assert_eq!((&document["ok"], &document["cannot_be_run"]["code"]), (&true.into(), &"missing-time".into()));
@@ -39,6 +40,20 @@ fn check_tells_what_keeps_a_patch_from_being_run() {
     let told = out(&patchcord(&["check", &file]));
     assert!(told.contains("cannot be run as it stands: the run would take 3.25e12 steps, 38 days"), "{told}");
     assert!(json(&patchcord(&["check", FIG_8_16, "--json"]))["cannot_be_run"].is_null());
+}
+
+/// Numbers drawn every nanosecond, for 100 s.
+const TOO_FINE: &str = r#"{"patchcord": 1, "title": "fine noise", "scales": {"volt": {"per_volt": 1, "unit": "V"}},
+    "drives": {"u": {"kind": "noise", "scale": "volt", "rms": 1, "every": 1e-9, "seed": 1}},
+    "elements": {"L": {"kind": "inverter", "in": "u"}}, "run": {"for": 100, "step": 0.01}}"#;
+
+#[test]
+fn check_tells_what_only_a_ready_machine_shows() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "noise.json");
+    fs::write(&file, TOO_FINE).unwrap();
+    let document = json(&patchcord(&["check", &file, "--json"]));
+    assert_eq!(document["cannot_be_run"]["code"], "noise-too-fine");
 }
 
 /// -1000 V by a voltage that falls from 50 V through 0 within the run.

@@ -388,4 +388,5 @@ fn a_first_hold_is_passed_over_by_a_machine_that_is_overloaded_already() {
     let trace = held_on_overload(&overloaded(), &[hold(3.0), Phase::operate(1.0)]);
     assert_eq!((trace.sweeps[0].held, trace.sweeps[0].end, trace.len()), (true, 0.0, 1));
     assert_eq!(trace.sweeps[0].overloads[0].time, 0.0);
+    assert_eq!(trace.marks.last().map(|mark| &mark.ended), Some(&Ending::Overload));
 }
