@@ -102,7 +102,8 @@ impl Program {
         self.evaluate_range(0..self.body.len(), from, registers, scratch);
     }
 
-    fn evaluate_range<N: Evaluation>(
+    /// Works out the registers of a range of the body; what stands before it stands in them already.
+    pub(crate) fn evaluate_range<N: Evaluation>(
         &self,
         range: Range<usize>,
         from: &Sources<'_, N>,

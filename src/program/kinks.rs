@@ -95,44 +95,14 @@ fn first_corner(points: &[[f64; 2]], from: f64, rises: bool) -> Option<f64> {
 impl Program {
     /// The kinks that the rates, and what is kept or delayed, have; `owners` tells whose law each operation is.
     pub(super) fn find_kinks(&self, owners: &[usize]) -> Vec<Kink> {
-        let (moving, wanted) = (self.moving(), self.wanted());
+        let moving = self.moving(|op| matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Tear(_)));
+        let rates = self.states.iter().map(|state| state.rate);
+        let inputs = self.delays.iter().map(|delay| delay.input);
+        let wanted = self.needed_for(rates.chain(inputs).chain(self.kept.iter().map(|kept| kept.next)));
         let kinks = self.body.iter().enumerate().filter_map(|(at, op)| {
             let surface = Surface::of(*op).filter(|surface| wanted[at] && surface.moves(&moving))?;
             Some(Kink { element: owners[at], surface })
         });
         kinks.collect()
-    }
-
-    /// The registers whose voltages move within a step.
-    fn moving(&self) -> Vec<bool> {
-        let mut moving: Vec<bool> = Vec::with_capacity(self.body.len());
-        for op in &self.body {
-            let moves = match op {
-                Op::State(_) | Op::Time | Op::Delayed(_) | Op::Tear(_) => true,
-                _ => op.operands().any(|operand| moving[operand.index()]),
-            };
-            moving.push(moves);
-        }
-        moving
-    }
-
-    /// The registers that the course of a step depends on.
-    fn wanted(&self) -> Vec<bool> {
-        let mut wanted = vec![false; self.body.len()];
-        let rates = self.states.iter().map(|state| state.rate);
-        let inputs = self.delays.iter().map(|delay| delay.input);
-        let mut open: Vec<Register> =
-            rates.chain(inputs).chain(self.kept.iter().map(|kept| kept.next)).collect();
-        while let Some(register) = open.pop() {
-            if std::mem::replace(&mut wanted[register.index()], true) {
-                continue;
-            }
-            let op = self.body[register.index()];
-            open.extend(op.operands());
-            if let Op::Tear(index) = op {
-                open.push(self.loops[index as usize].result);
-            }
-        }
-        wanted
     }
 }

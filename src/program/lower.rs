@@ -24,9 +24,9 @@ impl Program {
         lowering.scales();
         lowering.switches();
         lowering.orders();
-        lowering.program.kinks = lowering.program.find_kinks(&lowering.owners);
-        super::check::check(circuit, &lowering.program)?;
-        Ok(lowering.program)
+        let program = lowering.arranged();
+        super::check::check(circuit, &program)?;
+        Ok(program)
     }
 }
 
@@ -197,6 +197,14 @@ impl<'c> Lowering<'c> {
         if let (Some(of), Some(to)) = (self.coefficient(setting), self.coefficient(other)) {
             self.program.orders.push(Order { of, relation, to });
         }
+    }
+
+    /// The program, its body in the order in which it is worked out.
+    fn arranged(mut self) -> Program {
+        let order = self.program.arrange();
+        let owners: Vec<usize> = order.into_iter().map(|at| self.owners[at]).collect();
+        self.program.kinks = self.program.find_kinks(&owners);
+        self.program
     }
 
     pub(super) fn emit(&mut self, op: Op) -> Register {

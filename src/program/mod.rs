@@ -3,6 +3,7 @@
 //! A *prologue*, run once a run, turns parameters into coefficients; the *body* turns coefficients,
 //! states, modes and time into every voltage and every rate. Every backend reads nothing else.
 
+mod arrange;
 mod check;
 mod coefficient;
 mod curved;
@@ -21,7 +22,9 @@ mod rehearsal;
 mod standing;
 mod vocabulary;
 
+use arrange::Parts;
 pub use coefficient::Coefficient;
+
 pub use linearise::Linearisation;
 pub(crate) use linearise::OperatingPoint;
 pub use lower::Lowering;
@@ -50,6 +53,8 @@ pub struct Program {
     pub(crate) coefficients: Vec<Coefficient>,
     pub(crate) orders: Vec<Order>,
     pub(crate) body: Vec<Op>,
+    /// Where the parts of the body begin.
+    pub(crate) parts: Parts,
     pub(crate) elements: Vec<Outlet>,
     pub(crate) states: Vec<State>,
     pub(crate) modes: Vec<Mode>,

@@ -117,6 +117,25 @@ impl Op {
         operands.into_iter().flatten()
     }
 
+    /// The same operation on other registers.
+    pub(crate) fn with_operands(self, to: impl Fn(Register) -> Register) -> Op {
+        match self {
+            Op::Absolute(a) => Op::Absolute(to(a)),
+            Op::Table(table, at) => Op::Table(table, to(at)),
+            Op::Add(a, b) => Op::Add(to(a), to(b)),
+            Op::Subtract(a, b) => Op::Subtract(to(a), to(b)),
+            Op::Multiply(a, b) => Op::Multiply(to(a), to(b)),
+            Op::Divide(a, b) => Op::Divide(to(a), to(b)),
+            Op::Minimum(a, b) => Op::Minimum(to(a), to(b)),
+            Op::Maximum(a, b) => Op::Maximum(to(a), to(b)),
+            Op::Call(function, a, b) => Op::Call(function, to(a), to(b)),
+            Op::Select { left, right, then, otherwise } => {
+                Op::Select { left: to(left), right: to(right), then: to(then), otherwise: to(otherwise) }
+            }
+            source => source,
+        }
+    }
+
     /// The operation's value; a tear has none of its own and must be solved by the caller.
     #[inline(always)]
     pub(crate) fn apply<N: Number>(self, from: &Sources<'_, N>, get: impl Fn(Register) -> N) -> N {

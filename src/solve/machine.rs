@@ -73,11 +73,13 @@ pub struct Machine<'p> {
 
 /// Which voltages are worked out.
 #[derive(Clone, Copy)]
-enum Instant {
-    /// Those of the states, where the machine is.
+pub(super) enum Wanted {
+    /// All, of the states, where the machine is.
     Now,
-    /// Those of the trial states, where it may go.
+    /// Those of the trial states, where it may go; what does not move within a step stands there already.
     Ahead,
+    /// Of those, what the rates depend on.
+    Rates,
 }
 
 /// The beginning of a stretch of time gone in one piece.
@@ -353,23 +355,28 @@ impl<'p> Machine<'p> {
         for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
             *delayed = line.from(self.time);
         }
-        self.work_out(self.time, Instant::Now);
+        self.work_out(self.time, Wanted::Now);
+        let still = self.program.parts.moving;
+        self.trial_registers[..still].copy_from_slice(&self.registers[..still]);
         self.take_rates();
     }
 
-    /// Works out every voltage for the trial states at a later time, which nothing has reached yet: what
-    /// jumps there stands as before its jump.
-    pub(super) fn evaluate_trial(&mut self, time: f64) {
+    /// Works out the voltages for the trial states at a later time, which nothing has reached yet: what jumps there
+    /// stands as before its jump.
+    pub(super) fn evaluate_trial(&mut self, time: f64, wanted: Wanted) {
         for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
             *delayed = line.until(time);
         }
-        self.work_out(time, Instant::Ahead);
+        self.work_out(time, wanted);
     }
 
-    fn work_out(&mut self, time: f64, instant: Instant) {
-        let (states, registers) = match instant {
-            Instant::Now => (&self.states, &mut self.registers),
-            Instant::Ahead => (&self.trial, &mut self.trial_registers),
+    fn work_out(&mut self, time: f64, wanted: Wanted) {
+        let (moving, watched, all) =
+            (self.program.parts.moving, self.program.parts.watched, self.program.body.len());
+        let (states, registers, range) = match wanted {
+            Wanted::Now => (&self.states, &mut self.registers, 0..all),
+            Wanted::Ahead => (&self.trial, &mut self.trial_registers, moving..all),
+            Wanted::Rates => (&self.trial, &mut self.trial_registers, moving..watched),
         };
         let from = Sources {
             parameters: &self.parameters,
@@ -382,7 +389,7 @@ impl<'p> Machine<'p> {
             kept: &self.kept,
             noise: &self.drawn,
         };
-        self.program.evaluate(&from, registers, &mut self.scratch);
+        self.program.evaluate_range(range, &from, registers, &mut self.scratch);
     }
 
     fn take_rates(&mut self) {

@@ -1,6 +1,6 @@
 //! A step of any Runge-Kutta method, and the curve within it.
 
-use super::machine::Machine;
+use super::machine::{Machine, Wanted};
 use super::tableau::Share;
 use crate::machines::REFERENCE;
 
@@ -16,15 +16,17 @@ impl Machine<'_> {
         self.rates[0].copy_from_slice(&self.slopes);
         for (stage, row) in self.method.stages.iter().enumerate() {
             self.trial_from(row.from, length);
-            self.evaluate_trial(self.time + row.at * length);
+            let is_middle = stage == self.method.middle;
+            let wanted = if is_middle { Wanted::Ahead } else { Wanted::Rates };
+            self.evaluate_trial(self.time + row.at * length, wanted);
             self.keep_rates(stage + 1);
-            if stage == self.method.middle {
+            if is_middle {
                 self.hint = self.event_ahead().is_some();
             }
         }
         self.trial_from(self.method.end, length / self.method.parts);
         self.trial.iter_mut().filter(|volts| volts.abs() < SMALLEST).for_each(|volts| *volts = 0.0);
-        self.evaluate_trial(self.time + length);
+        self.evaluate_trial(self.time + length, Wanted::Ahead);
         self.keep_rates(self.method.rates() - 1);
     }
 
@@ -74,7 +76,7 @@ impl Machine<'_> {
                 value
             };
         }
-        self.evaluate_trial(time);
+        self.evaluate_trial(time, Wanted::Ahead);
     }
 }
 
