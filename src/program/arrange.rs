@@ -101,3 +101,36 @@ impl Program {
         self.signals.iter_mut().for_each(|probe| renumbered(&mut probe.register));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::circuit::Circuit;
+    use crate::patch::Patch;
+
+    fn program(file: &str) -> Program {
+        let patch = Patch::read(file.as_ref()).unwrap();
+        Program::new(&Circuit::new(&patch, &[]).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn every_operation_stands_behind_what_it_reads_and_in_its_part() {
+        for file in
+            ["patches/thesis/fig-8-16.json", "tests/patches/loop-lag.json", "tests/patches/memory.json"]
+        {
+            let program = program(file);
+            let Parts { moving, watched } = program.parts;
+            assert!(
+                0 < moving && moving < watched && watched < program.body.len(),
+                "{file}: {:?}",
+                program.parts
+            );
+            for (at, op) in program.body.iter().enumerate() {
+                assert!(op.operands().all(|operand| operand.index() < at), "{file}: {op:?} at {at}");
+                let is_source = matches!(op, Op::State(_) | Op::Time | Op::Kept(_) | Op::Tear(_));
+                assert!(!is_source || at >= moving, "{file}: {op:?} at {at}");
+            }
+            assert!(program.states.iter().all(|state| state.rate.index() < watched), "{file}");
+        }
+    }
+}
