@@ -30,4 +30,5 @@ pub mod plot;
 pub mod program;
 pub mod schematic;
 pub mod solve;
+pub mod sweep;
 pub mod trace;

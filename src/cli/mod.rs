@@ -15,7 +15,9 @@ mod phases;
 mod progress;
 mod readings;
 mod run;
+mod sweep;
 mod table;
+mod times;
 
 use std::io::{self, IsTerminal as _, Write as _};
 use std::process::ExitCode;
@@ -43,6 +45,8 @@ enum Command {
     Check(check::Arguments),
     /// Run a patch: readings, a table, scope pictures
     Run(run::Arguments),
+    /// Run a patch for many settings of its parameters, and measure each run: a row a run
+    Sweep(sweep::Arguments),
     /// Draw the schematic of a patch, or the patch panel with its cords
     Draw(draw::Arguments),
     /// List the computing elements and drives, or tell all about one
@@ -78,6 +82,7 @@ fn carry_out(command: &Command) -> Result<(), Failure> {
         Command::New(arguments) => new::new(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Run(arguments) => run::run(arguments),
+        Command::Sweep(arguments) => sweep::sweep(arguments),
         Command::Draw(arguments) => draw::draw(arguments),
         Command::Elements(arguments) => elements::elements(arguments),
         Command::Machines(arguments) => machines::machines(arguments),

@@ -10,36 +10,114 @@ const BETWEEN_LINES: Duration = Duration::from_millis(250);
 const STEPS_BETWEEN_LOOKS: u32 = 256;
 
 /// A line on standard error, written anew in its place; none where that is no terminal.
-pub(super) struct Progress {
-    whole: f64,
+struct Line {
     shown: bool,
     next: Instant,
+}
+
+impl Line {
+    fn new() -> Option<Self> {
+        let next = Instant::now() + PATIENCE;
+        io::stderr().is_terminal().then_some(Line { shown: false, next })
+    }
+
+    /// Writes what is to be told, where the last telling lies far enough back.
+    fn show(&mut self, told: impl FnOnce() -> String) {
+        let now = Instant::now();
+        if now < self.next {
+            return;
+        }
+        (self.next, self.shown) = (now + BETWEEN_LINES, true);
+        let mut terminal = io::stderr().lock();
+        let _ = write!(terminal, "\r{}\x1b[K", told()).and_then(|()| terminal.flush());
+    }
+}
+
+impl Drop for Line {
+    fn drop(&mut self) {
+        if self.shown {
+            let _ = write!(io::stderr().lock(), "\r\x1b[K");
+        }
+    }
+}
+
+/// How far a run has come.
+pub(super) struct Progress {
+    line: Line,
+    whole: f64,
     steps: u32,
 }
 
 impl Progress {
     /// The progress of a run of so many seconds of problem time.
     pub fn new(whole: f64) -> Option<Self> {
-        let next = Instant::now() + PATIENCE;
-        io::stderr().is_terminal().then_some(Progress { whole, shown: false, next, steps: 0 })
+        Some(Progress { line: Line::new()?, whole, steps: 0 })
     }
 
     /// Takes note of a step that ended at this time.
     pub fn step(&mut self, time: f64) {
         self.steps += 1;
-        if self.steps.is_multiple_of(STEPS_BETWEEN_LOOKS) && Instant::now() >= self.next {
-            self.next = Instant::now() + BETWEEN_LINES;
-            self.shown = true;
-            let mut terminal = io::stderr().lock();
-            let _ = write!(terminal, "\rt = {time:.4} of {} s", self.whole).and_then(|()| terminal.flush());
+        if self.steps.is_multiple_of(STEPS_BETWEEN_LOOKS) {
+            self.line.show(|| format!("t = {time:.4} of {} s", self.whole));
         }
     }
 }
 
-impl Drop for Progress {
-    fn drop(&mut self) {
-        if self.shown {
-            let _ = write!(io::stderr().lock(), "\r\x1b[K");
-        }
+/// How far a sweep has come, with the time that is left.
+pub(super) struct SweepProgress {
+    line: Line,
+    runs: u64,
+    /// Runs that were there at the beginning, and when that was.
+    begin: Option<(u64, Instant)>,
+}
+
+impl SweepProgress {
+    /// The progress of so many runs.
+    pub fn new(runs: u64) -> Option<Self> {
+        Some(SweepProgress { line: Line::new()?, runs, begin: None })
+    }
+
+    /// Takes note of how many runs are done; first of how many were done before.
+    pub fn runs(&mut self, done: u64) {
+        let (before, since) = *self.begin.get_or_insert((done, Instant::now()));
+        self.line.show(|| sweep_told(done, self.runs, done - before, since.elapsed()));
+    }
+}
+
+/// Letters of the bar.
+const BAR: u64 = 30;
+
+/// A bar, the runs done of all, and how long the rest takes at the pace of those done now.
+fn sweep_told(done: u64, runs: u64, now: u64, elapsed: Duration) -> String {
+    let full = (done * BAR / runs.max(1)) as usize;
+    let bar = "#".repeat(full) + &".".repeat(BAR as usize - full);
+    let left = match now {
+        0 => String::new(),
+        now => format!(", {} left", time_told(elapsed.as_secs_f64() / now as f64 * (runs - done) as f64)),
+    };
+    format!("[{bar}] {done} of {runs} runs{left}")
+}
+
+/// "8 s", "3 min 20 s", "5 h 3 min".
+fn time_told(seconds: f64) -> String {
+    let seconds = seconds.round() as u64;
+    match seconds {
+        0..60 => format!("{seconds} s"),
+        60..3600 => format!("{} min {} s", seconds / 60, seconds % 60),
+        _ => format!("{} h {} min", seconds / 3600, seconds % 3600 / 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_follows_from_the_runs_done_now() {
+        let told = |done, now| sweep_told(done, 1000, now, Duration::from_secs(10));
+        assert_eq!(told(500, 100), "[###############...............] 500 of 1000 runs, 50 s left");
+        assert_eq!(told(0, 0), format!("[{}] 0 of 1000 runs", ".".repeat(30)));
+        assert_eq!(told(1000, 1), format!("[{}] 1000 of 1000 runs, 0 s left", "#".repeat(30)));
+        assert_eq!([200.0, 18_200.0].map(time_told), ["3 min 20 s", "5 h 3 min"]);
     }
 }

@@ -10,29 +10,20 @@ use super::overloads::{overload_json, overload_told};
 use super::phases::{phase_told, phases_json, phases_told};
 use super::progress::Progress;
 use super::readings::{readings_json, readings_told};
+use super::times::{TimeArguments, given, place_told, refused, with_advice};
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
-use patchcord::patch::{Placed, RunPlan, Span};
+use patchcord::patch::RunPlan;
 use patchcord::program::Program;
-use patchcord::solve::{self, RunError, RunSettings, Stopped, TimeSetting};
+use patchcord::solve::{self, RunError, RunSettings, Stopped};
 use patchcord::trace::{Trace, Work};
 
 #[derive(Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
     patch: PatchArguments,
-    /// How long to run, in problem seconds: one initial condition and operate, whatever phases the patch has
-    #[arg(long = "for", value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
-    duration: Option<f64>,
-    /// Step of the solver, in problem seconds
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
-    step: Option<f64>,
-    /// Steps as long as this allows: what the errors of all steps may add up to, as a share of 100 V, say 1e-6
-    #[arg(long = "tol", value_name = "SHARE", value_parser = share, conflicts_with = "step")]
-    tolerance: Option<f64>,
-    /// Time between recorded samples, in problem seconds
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
-    every: Option<f64>,
+    #[command(flatten)]
+    times: TimeArguments,
     /// Run this many times from initial condition (repetitive operation)
     #[arg(long, value_name = "TIMES", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: Option<u32>,
@@ -44,24 +35,6 @@ pub(super) struct Arguments {
     record: Vec<String>,
     #[command(flatten)]
     files: FileArguments,
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    let seconds: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number"))?;
-    if seconds > 0.0 && seconds.is_finite() {
-        Ok(seconds)
-    } else {
-        Err("a time above 0 s is wanted".to_owned())
-    }
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    let share: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number"))?;
-    if share > 0.0 && share < 1.0 {
-        Ok(share)
-    } else {
-        Err("a number between 0 and 1 is wanted, say 1e-6".to_owned())
-    }
 }
 
 fn name(text: &str) -> Result<String, String> {
@@ -116,46 +89,29 @@ impl Arguments {
 
     /// The patch's plan with what the options change in it.
     fn plan(&self, patch: &RunPlan) -> Result<RunPlan, Failure> {
-        let mut plan = patch.clone();
-        if self.duration.is_some() {
-            plan.phases.clear();
-        } else if self.repeat.is_some() && !plan.phases.is_empty() {
+        let mut plan = self.times.plan(patch);
+        if self.repeat.is_some() && !plan.phases.is_empty() {
             let message = "the patch's run is a list of phases, which --repeat cannot repeat: write \
                            {\"repeat\": times, \"phases\": [...]} there, or give --for as well to run without them";
             return Err(Failure::usage(message));
         }
-        let given = |value| Placed { value, span: Span::default() };
-        plan.duration = self.duration.map(given).or(plan.duration);
-        plan.step = self.step.map(given).or(plan.step);
-        // Who gives a step wants equal ones, who gives a tolerance does not.
-        plan.tolerance = match self.step {
-            Some(_) => None,
-            None => self.tolerance.map(given).or(plan.tolerance),
-        };
-        plan.every = self.every.map(given).or(plan.every);
         plan.repeat = self.repeat.map(|times| given(f64::from(times))).or(plan.repeat);
         plan.hold_on_overload |= self.hold_on_overload;
         Ok(plan)
     }
 
-    /// What the error says, which option helps, and where. Who gave options is asked to give others.
     fn refused(&self, error: &RunError, circuit: &Circuit) -> Failure {
-        let message = with_advice(error) + &place_told(error, circuit);
-        let failure = if self.is_to_blame(error) { Failure::usage(message) } else { Failure::data(message) };
-        failure.with("code", error.code().into())
+        refused(error, circuit, self.is_to_blame(error))
     }
 
     /// Whether an error comes from options rather than from the patch.
     fn is_to_blame(&self, error: &RunError) -> bool {
-        let times = [self.duration, self.step, self.every].iter().any(Option::is_some);
-        match error {
-            RunError::Missing(_) => true,
-            RunError::LongerThanRun { .. } | RunError::NotATime { .. } => times,
-            RunError::TooManySteps { .. } => times || self.repeat.is_some(),
-            RunError::TooManyNumbers { .. } => times || self.repeat.is_some() || !self.record.is_empty(),
-            RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => self.step.is_some(),
+        let own = match error {
+            RunError::TooManySteps { .. } => self.repeat.is_some(),
+            RunError::TooManyNumbers { .. } => self.repeat.is_some() || !self.record.is_empty(),
             _ => false,
-        }
+        };
+        own || self.times.is_to_blame(error)
     }
 
     /// Writes what was recorded before the run stopped, and tells why it did.
@@ -194,48 +150,6 @@ impl Arguments {
         let mut seen = std::collections::HashSet::new();
         record.retain(|name| seen.insert(name.clone()));
         Ok(record)
-    }
-}
-
-/// Where the patch speaks of the element that an error is about.
-fn place_told(error: &RunError, circuit: &Circuit) -> String {
-    let guilty =
-        circuit.elements().into_iter().find(|element| Some(element.name.as_str()) == error.element());
-    let Some((element, span)) = guilty.and_then(|element| Some((element, element.span?))) else {
-        return String::new();
-    };
-    let report = circuit.warnings();
-    let (line, column) = report.line_and_column(span.start);
-    format!("\n  --> {}:{line}:{column}: {}", report.file, element.name)
-}
-
-/// What an error says, and which option helps.
-fn with_advice(error: &RunError) -> String {
-    match advice(error) {
-        Some(advice) => format!("{error}: {advice}"),
-        None => error.to_string(),
-    }
-}
-
-/// The options that put an error right.
-pub(super) fn advice(error: &RunError) -> Option<String> {
-    let option = |time: &TimeSetting| match time {
-        TimeSetting::Step => "--step or --tol".to_owned(),
-        _ => format!("--{}", time.key()),
-    };
-    match error {
-        RunError::Missing(times) => {
-            Some(format!("give {}", times.iter().map(option).collect::<Vec<_>>().join(" and ")))
-        }
-        RunError::LongerThanRun { which, .. } => Some(format!("give a shorter one with {}", option(which))),
-        RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => {
-            Some("give one with --step, or a tolerance with --tol".to_owned())
-        }
-        RunError::TooManySteps { .. } => {
-            Some("give a longer --step or a shorter --for, or repeat it less".to_owned())
-        }
-        RunError::TooManyNumbers { .. } => Some("give a longer --every or a shorter --for".to_owned()),
-        _ => None,
     }
 }
 

@@ -4,6 +4,8 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::is_signal;
+
 /// What a signal holds of one frequency, over whole periods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Harmonic {
@@ -61,9 +63,7 @@ pub fn harmonic(time: &[f64], values: &[f64], frequency: f64) -> Result<Harmonic
 }
 
 fn check(time: &[f64], values: &[f64], frequency: f64) -> Result<(), HarmonicError> {
-    let finite = time.iter().chain(values).all(|number| number.is_finite());
-    let rising = time.windows(2).all(|pair| pair[0] < pair[1]);
-    if time.len() != values.len() || time.len() < 2 || !finite || !rising {
+    if time.len() < 2 || !is_signal(time, values) {
         return Err(HarmonicError::NotASignal);
     }
     let widest = time.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max) * frequency;

@@ -1,19 +1,33 @@
 //! Instruments: what can be read from a trace.
 
+mod critical_velocity;
 mod family;
 mod harmonic;
 mod log;
+mod measure;
+mod oscillation;
 mod quantity;
 mod ringing;
 mod scope;
+mod stick;
 mod voltmeter;
 
+pub use critical_velocity::{Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity};
 pub use harmonic::{Harmonic, HarmonicError, harmonic};
 pub use log::{deed, ending, missed};
+pub use measure::{Cell, Column, Measure, MeasureError, measures};
+pub use oscillation::{Oscillation, OscillationError, oscillation};
 pub use quantity::Display;
 pub use ringing::{Ringing, RingingError, ringing};
 pub use scope::{ScopeError, picture};
+pub use stick::{StickError, stick_end};
 pub use voltmeter::{Extreme, Reading, readings};
+
+/// Whether there is one finite value for each of the times, which rise.
+fn is_signal(time: &[f64], values: &[f64]) -> bool {
+    let finite = time.iter().chain(values).all(|number| number.is_finite());
+    time.len() == values.len() && finite && time.windows(2).all(|pair| pair[0] < pair[1])
+}
 
 /// A signal at so many instants, for tests.
 #[cfg(test)]

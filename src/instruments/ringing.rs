@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use super::is_signal;
+
 /// What an oscillation that dies away tells of the system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ringing {
@@ -61,7 +63,9 @@ const TOLERANCE: f64 = 0.02;
 /// one damped oscillation: its peaks not evenly spaced, or not shrinking by the same ratio (solid friction
 /// takes off the same amount, two modes beat, a limit cycle has corners).
 pub fn ringing(time: &[f64], values: &[f64]) -> Result<Ringing, RingingError> {
-    check(time, values)?;
+    if !is_signal(time, values) {
+        return Err(RingingError::NotASignal);
+    }
     let peaks = outstanding(peaks(time, values));
     if peaks.len() < FEWEST_PEAKS {
         return Err(RingingError::TooFewPeaks(peaks.len()));
@@ -78,15 +82,9 @@ pub fn ringing(time: &[f64], values: &[f64]) -> Result<Ringing, RingingError> {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Peak {
+pub(super) struct Peak {
     time: f64,
-    value: f64,
-}
-
-fn check(time: &[f64], values: &[f64]) -> Result<(), RingingError> {
-    let finite = time.iter().chain(values).all(|number| number.is_finite());
-    let rising = time.windows(2).all(|pair| pair[0] < pair[1]);
-    if time.len() == values.len() && finite && rising { Ok(()) } else { Err(RingingError::NotASignal) }
+    pub value: f64,
 }
 
 /// Every place at which the signal turns; two equal samples on top are one peak.
@@ -101,7 +99,7 @@ fn peaks(time: &[f64], values: &[f64]) -> Vec<Peak> {
 }
 
 /// Top of the parabola through three samples.
-fn vertex(time: &[f64], values: &[f64]) -> Peak {
+pub(super) fn vertex(time: &[f64], values: &[f64]) -> Peak {
     let slope = |from: usize| (values[from + 1] - values[from]) / (time[from + 1] - time[from]);
     let bend = (slope(1) - slope(0)) / (time[2] - time[0]);
     let top = (time[0] + time[1]) / 2.0 - slope(0) / (2.0 * bend);

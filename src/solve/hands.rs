@@ -2,7 +2,7 @@
 
 use super::error::RunError;
 use super::machine::{Machine, MachineMode};
-use crate::program::{Fault, TimeConstant, Unfit};
+use crate::program::{Fault, Program, TimeConstant, Unfit};
 
 impl Machine<'_> {
     /// Turns whatever pots follow from a parameter, given in its declared unit; also while running.
@@ -21,31 +21,11 @@ impl Machine<'_> {
     /// # Errors
     /// Those of [`Machine::set`]; nothing is changed then.
     pub fn set_all(&mut self, changes: &[(&str, f64)]) -> Result<(), RunError> {
-        let mut parameters = self.parameters.clone();
-        for (name, value) in changes {
-            let (index, value) = self.in_si(name, *value)?;
-            parameters[index] = value;
-        }
-        let coefficients = self.program.prepare(&parameters);
-        if let Some(unfit) = self.program.first_unfit(&coefficients) {
-            return Err(refused(&unfit));
-        }
+        let (parameters, coefficients) = turned(self.program, &self.parameters, changes)?;
         self.or_as_before(|machine| {
             (machine.parameters, machine.coefficients) = (parameters, coefficients);
             machine.follow_coefficients()
         })
-    }
-
-    /// Index of a parameter, and a value of it in SI.
-    fn in_si(&self, name: &str, value: f64) -> Result<(usize, f64), RunError> {
-        let index =
-            self.program.parameter(name).ok_or_else(|| RunError::UnknownParameter(name.to_owned()))?;
-        let slot = &self.program.parameters[index];
-        let (low, high) = slot.range.unwrap_or((f64::MIN, f64::MAX));
-        if !(low <= value && value <= high) {
-            return Err(RunError::OutsideRange { what: name.to_owned(), value, low, high });
-        }
-        Ok((index, value * slot.per_unit))
     }
 
     /// Puts the output of an integrator at a voltage, as an operator does who overrides its initial
@@ -130,6 +110,48 @@ impl Machine<'_> {
         }
         Ok(())
     }
+}
+
+/// Sets parameters of a program before a run, in their declared units, as if its circuit had been made with them.
+///
+/// # Errors
+/// Those of [`Machine::set`]; nothing is changed then.
+pub fn preset(program: &mut Program, changes: &[(&str, f64)]) -> Result<(), RunError> {
+    let before: Vec<f64> = program.parameters.iter().map(|slot| slot.value).collect();
+    let (parameters, _) = turned(program, &before, changes)?;
+    for (slot, value) in program.parameters.iter_mut().zip(parameters) {
+        slot.value = value;
+    }
+    Ok(())
+}
+
+/// Parameters in SI with changes in their declared units, and the coefficients that follow.
+fn turned(
+    program: &Program,
+    parameters: &[f64],
+    changes: &[(&str, f64)],
+) -> Result<(Vec<f64>, Vec<f64>), RunError> {
+    let mut parameters = parameters.to_vec();
+    for (name, value) in changes {
+        let (index, value) = in_si(program, name, *value)?;
+        parameters[index] = value;
+    }
+    let coefficients = program.prepare(&parameters);
+    match program.first_unfit(&coefficients) {
+        Some(unfit) => Err(refused(&unfit)),
+        None => Ok((parameters, coefficients)),
+    }
+}
+
+/// Index of a parameter, and a value of it in SI.
+fn in_si(program: &Program, name: &str, value: f64) -> Result<(usize, f64), RunError> {
+    let index = program.parameter(name).ok_or_else(|| RunError::UnknownParameter(name.to_owned()))?;
+    let slot = &program.parameters[index];
+    let (low, high) = slot.range.unwrap_or((f64::MIN, f64::MAX));
+    if !(low <= value && value <= high) {
+        return Err(RunError::OutsideRange { what: name.to_owned(), value, low, high });
+    }
+    Ok((index, value * slot.per_unit))
 }
 
 /// Why a coefficient cannot have its value.

@@ -20,5 +20,6 @@ mod watch;
 pub use crate::patch::{Change, Phase, Until};
 pub use crate::trace::{Overload, Work};
 pub use error::{RunError, Stopped, TimeSetting};
+pub use hands::preset;
 pub use machine::{Machine, MachineMode};
 pub use run::{RunSettings, check, machine_after, run, run_watched};

@@ -49,7 +49,7 @@ fn on_one_line(unit: &str) -> String {
 }
 
 /// The shortest text that reads back to the same number; -0 is 0.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let text = format!("{:?}", value + 0.0);
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }

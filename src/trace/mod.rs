@@ -5,6 +5,7 @@ mod mark;
 mod track;
 
 pub use self::csv::CsvError;
+pub(crate) use self::csv::number;
 pub use self::mark::{Deed, Ending, Mark, NewValue};
 pub use self::track::{Course, Moment, Track};
 

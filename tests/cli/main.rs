@@ -9,6 +9,7 @@ mod new;
 mod phases;
 mod pictures;
 mod refused;
+mod sweep;
 
 use std::fs;
 use std::path::Path;

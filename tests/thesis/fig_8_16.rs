@@ -1,5 +1,6 @@
 //! Fig 8.16: the final circuit.
 
+use patchcord::instruments::{Criterion, critical_velocity};
 use patchcord::trace::Trace;
 
 use crate::bench::{self, changes};
@@ -101,6 +102,9 @@ fn oscillation_ends_later_rising_than_it_begins_falling() {
     let ends = swing[..turn].iter().rposition(|swing| *swing > THRESHOLD).unwrap();
     let begins = turn + swing[turn..].iter().position(|swing| *swing > THRESHOLD).unwrap();
     let (rising, falling) = (commanded[ends], commanded[begins]);
+    let criterion = Criterion { threshold: THRESHOLD, window: 40.0 * EVERY };
+    let read = critical_velocity(&trace.time, &commanded, &trace.values("v_o").unwrap(), criterion);
+    assert_eq!((read.rising, read.falling), (Ok(rising), Ok(falling)), "the instrument reads the same");
     assert!((rising - 4.54e-3).abs() < 0.05e-3, "{rising}");
     assert!(falling < 2.54e-3 && falling > 0.0, "{falling}");
 }

@@ -1,0 +1,186 @@
+//! `patchcord sweep`
+
+use std::io;
+use std::path::PathBuf;
+use std::thread;
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::failure::{Failure, plural};
+use super::files::{check_apart, prepare, written};
+use super::load::{Loaded, PatchArguments, document};
+use super::progress::SweepProgress;
+use super::times::{TimeArguments, refused};
+use super::{say, say_json, tell};
+use patchcord::circuit::Circuit;
+use patchcord::instruments::{Measure, measures};
+use patchcord::output::destination;
+use patchcord::program::Program;
+use patchcord::solve::RunSettings;
+use patchcord::sweep::{Axis, JournalError, Plan, PlanError, Sweep, SweepError, Tally};
+
+#[derive(Args)]
+#[command(after_help = measures_told())]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    patch: PatchArguments,
+    /// Vary a parameter, in the unit that the patch declares: NAME=FIRST:LAST:COUNT, the same with :log behind it, or
+    /// NAME=VALUE,VALUE,...; of several every combination is run, the last changing from run to run
+    #[arg(long, value_name = "NAME=VALUES")]
+    vary: Vec<String>,
+    /// Take settings row by row from a CSV file with the names of parameters in its first line
+    #[arg(long, value_name = "FILE.csv")]
+    rows: Option<PathBuf>,
+    /// Measure this of every run; may be given several times
+    #[arg(long, value_name = "MEASURE")]
+    measure: Vec<String>,
+    #[command(flatten)]
+    times: TimeArguments,
+    /// How many runs are made at the same time; as many as there are cores where it is not given
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Append the rows to this CSV file; a sweep that was killed goes on where it was
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+fn measures_told() -> String {
+    let told = measures().map(|(written, meaning)| format!("  {written}\n      {meaning}\n"));
+    format!("Measures:\n{}", told.collect::<String>())
+}
+
+pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
+    carry_out(arguments).map_err(|failure| failure.told_as_json(arguments.patch.json))
+}
+
+fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
+    arguments.check_files()?;
+    let axes = arguments.vary.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>, _>>();
+    let axes = axes.map_err(unplanned)?;
+    let Loaded { circuit, program } = arguments.patch.load()?;
+    let sweep = arguments.sweep(axes, &circuit, program)?;
+    let mut progress = SweepProgress::new(sweep.plan().runs());
+    let mut progress = |done| {
+        if let Some(progress) = &mut progress {
+            progress.runs(done);
+        }
+    };
+    let Some(out) = &arguments.out else {
+        return told_on_output(sweep.write(&mut io::stdout().lock(), arguments.threads(), &mut progress));
+    };
+    prepare(None, [out].into_iter())?;
+    let tally = sweep.append_to(out, arguments.threads(), &mut progress).map_err(not_gone_on)?;
+    if arguments.patch.json {
+        return say_json(&sweep_document(&circuit, &sweep, tally, out.display().to_string()));
+    }
+    say(&format!("{}{}", tally_told(tally), written([out].into_iter())))
+}
+
+impl Arguments {
+    fn check_files(&self) -> Result<(), Failure> {
+        let Some(out) = &self.out else {
+            let message = "with --json the rows need a file of their own: give --out FILE";
+            return if self.patch.json { Err(Failure::usage(message)) } else { Ok(()) };
+        };
+        check_apart(&self.patch.patch, [out].into_iter())?;
+        let is_out =
+            |rows: &PathBuf| destination(rows).ok().zip(destination(out).ok()).is_some_and(|(a, b)| a == b);
+        if self.rows.as_ref().is_some_and(is_out) {
+            return Err(Failure::usage(format!("{} holds the settings to run", out.display())));
+        }
+        Ok(())
+    }
+
+    fn sweep(&self, axes: Vec<Axis>, circuit: &Circuit, program: Program) -> Result<Sweep, Failure> {
+        let rows = self.rows.iter().map(|path| Axis::read(path, &program)).collect::<Result<Vec<_>, _>>();
+        // Rows of a file change most slowly.
+        let axes = rows.map_err(unplanned)?.into_iter().chain(axes).collect();
+        let plan = Plan::new(axes, &program).map_err(unplanned)?;
+        if let Some((name, _)) = self.patch.set.iter().find(|(set, _)| plan.names().any(|name| name == set)) {
+            return Err(Failure::usage(format!("{name} is set and varied: leave out --set {name}=...")));
+        }
+        let measures = self.measure.iter().map(|text| Measure::parse(text, program.signals()));
+        let measures = measures.collect::<Result<Vec<_>, _>>();
+        let measures = measures.map_err(|error| Failure::usage(error.to_string()))?;
+        let settings = RunSettings::new(&self.times.plan(circuit.run_plan()), circuit);
+        let settings = settings.map_err(|error| refused(&error, circuit, self.times.is_to_blame(&error)))?;
+        let name = self.patch.patch.file_name().unwrap_or_default().to_string_lossy();
+        Sweep::new(&name, program, settings, plan, measures).map_err(|error| self.unmade(error, circuit))
+    }
+
+    fn unmade(&self, error: SweepError, circuit: &Circuit) -> Failure {
+        match error {
+            SweepError::Run(error) => refused(&error, circuit, self.times.is_to_blame(&error)),
+            SweepError::NoMeasure => {
+                Failure::usage(format!("{error}: give --measure MEASURE\n\n{}", measures_told().trim_end()))
+            }
+            SweepError::SameColumn(_) => Failure::usage(error.to_string()),
+        }
+    }
+
+    fn threads(&self) -> usize {
+        let all = || thread::available_parallelism().map_or(1, usize::from);
+        self.threads.map_or_else(all, usize::from)
+    }
+}
+
+/// A file of rows is data, everything else stands on the command line.
+fn unplanned(error: PlanError) -> Failure {
+    match error {
+        PlanError::Rows { .. } => Failure::data(error.to_string()),
+        PlanError::Nothing => {
+            Failure::usage("nothing is varied: give --vary NAME=FIRST:LAST:COUNT or --rows FILE.csv")
+        }
+        error => Failure::usage(error.to_string()),
+    }
+}
+
+fn not_gone_on(error: JournalError) -> Failure {
+    Failure::data(error.to_string())
+}
+
+/// Rows on standard output are followed by nothing there. A reader that has gone away is no error of ours.
+fn told_on_output(outcome: io::Result<Tally>) -> Result<(), Failure> {
+    match outcome {
+        Ok(tally) if tally.failed > 0 => tell(tally_told(tally).trim_end()),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            return Err(Failure::data(format!("cannot write to standard output: {error}")));
+        }
+        _ => (),
+    }
+    Ok(())
+}
+
+fn tally_told(tally: Tally) -> String {
+    let kept = match tally.kept {
+        0 => String::new(),
+        kept => format!(", {kept} more were there"),
+    };
+    let Tally { failed, noted, .. } = tally;
+    format!("{}{kept}: {failed} failed, {noted} with a note\n", plural(tally.written, "run"))
+}
+
+fn sweep_document(circuit: &Circuit, sweep: &Sweep, tally: Tally, file: String) -> Value {
+    let settings = sweep.settings();
+    let columns = sweep.columns();
+    let more = json!({
+        "run": {
+            "for": settings.duration(),
+            "step": settings.step,
+            "tolerance": settings.tolerance,
+            "every": settings.every,
+        },
+        "sweep": {
+            "vary": sweep.plan().texts(),
+            "columns": columns.iter().map(|column| json!({"name": column.name, "unit": column.unit})).collect::<Value>(),
+            "runs": sweep.plan().runs(),
+            "kept": tally.kept,
+            "written": tally.written,
+            "failed": tally.failed,
+            "noted": tally.noted,
+        },
+        "files": [file],
+    });
+    document(circuit, more)
+}

@@ -1,0 +1,129 @@
+//! The options that tell how long and how finely to run, and what is said of runs that cannot be made.
+
+use clap::Args;
+
+use super::failure::Failure;
+use patchcord::circuit::Circuit;
+use patchcord::patch::{Placed, RunPlan, Span};
+use patchcord::solve::{RunError, TimeSetting};
+
+#[derive(Args)]
+pub(super) struct TimeArguments {
+    /// How long to run, in problem seconds: one initial condition and operate, whatever phases the patch has
+    #[arg(long = "for", value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
+    duration: Option<f64>,
+    /// Step of the solver, in problem seconds
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
+    step: Option<f64>,
+    /// Steps as long as this allows: what the errors of all steps may add up to, as a share of 100 V, say 1e-6
+    #[arg(long = "tol", value_name = "SHARE", value_parser = share, conflicts_with = "step")]
+    tolerance: Option<f64>,
+    /// Time between recorded samples, in problem seconds
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
+    every: Option<f64>,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number"))?;
+    if seconds > 0.0 && seconds.is_finite() {
+        Ok(seconds)
+    } else {
+        Err("a time above 0 s is wanted".to_owned())
+    }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number"))?;
+    if share > 0.0 && share < 1.0 {
+        Ok(share)
+    } else {
+        Err("a number between 0 and 1 is wanted, say 1e-6".to_owned())
+    }
+}
+
+/// A value that stands on the command line.
+pub(super) fn given(value: f64) -> Placed<f64> {
+    Placed { value, span: Span::default() }
+}
+
+impl TimeArguments {
+    /// The patch's plan with what the options change in it.
+    pub fn plan(&self, patch: &RunPlan) -> RunPlan {
+        let mut plan = patch.clone();
+        if self.duration.is_some() {
+            plan.phases.clear();
+        }
+        plan.duration = self.duration.map(given).or(plan.duration);
+        plan.step = self.step.map(given).or(plan.step);
+        // Who gives a step wants equal ones, who gives a tolerance does not.
+        plan.tolerance = match self.step {
+            Some(_) => None,
+            None => self.tolerance.map(given).or(plan.tolerance),
+        };
+        plan.every = self.every.map(given).or(plan.every);
+        plan
+    }
+
+    /// Whether an error comes from these options rather than from the patch.
+    pub fn is_to_blame(&self, error: &RunError) -> bool {
+        let times = [self.duration, self.step, self.every].iter().any(Option::is_some);
+        match error {
+            RunError::Missing(_) => true,
+            RunError::LongerThanRun { .. }
+            | RunError::NotATime { .. }
+            | RunError::TooManySteps { .. }
+            | RunError::TooManyNumbers { .. } => times,
+            RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => self.step.is_some(),
+            _ => false,
+        }
+    }
+}
+
+/// What the error says, which option helps, and where. Who gave options is asked to give others.
+pub(super) fn refused(error: &RunError, circuit: &Circuit, is_to_blame: bool) -> Failure {
+    let message = with_advice(error) + &place_told(error, circuit);
+    let failure = if is_to_blame { Failure::usage(message) } else { Failure::data(message) };
+    failure.with("code", error.code().into())
+}
+
+/// Where the patch speaks of the element that an error is about.
+pub(super) fn place_told(error: &RunError, circuit: &Circuit) -> String {
+    let guilty =
+        circuit.elements().into_iter().find(|element| Some(element.name.as_str()) == error.element());
+    let Some((element, span)) = guilty.and_then(|element| Some((element, element.span?))) else {
+        return String::new();
+    };
+    let report = circuit.warnings();
+    let (line, column) = report.line_and_column(span.start);
+    format!("\n  --> {}:{line}:{column}: {}", report.file, element.name)
+}
+
+/// What an error says, and which option helps.
+pub(super) fn with_advice(error: &RunError) -> String {
+    match advice(error) {
+        Some(advice) => format!("{error}: {advice}"),
+        None => error.to_string(),
+    }
+}
+
+/// The options that put an error right.
+pub(super) fn advice(error: &RunError) -> Option<String> {
+    let option = |time: &TimeSetting| match time {
+        TimeSetting::Step => "--step or --tol".to_owned(),
+        _ => format!("--{}", time.key()),
+    };
+    match error {
+        RunError::Missing(times) => {
+            Some(format!("give {}", times.iter().map(option).collect::<Vec<_>>().join(" and ")))
+        }
+        RunError::LongerThanRun { which, .. } => Some(format!("give a shorter one with {}", option(which))),
+        RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => {
+            Some("give one with --step, or a tolerance with --tol".to_owned())
+        }
+        RunError::TooManySteps { .. } => {
+            Some("give a longer --step or a shorter --for, or repeat it less".to_owned())
+        }
+        RunError::TooManyNumbers { .. } => Some("give a longer --every or a shorter --for".to_owned()),
+        _ => None,
+    }
+}

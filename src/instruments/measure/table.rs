@@ -1,0 +1,188 @@
+//! The table of measures: names, signals, options, columns.
+
+use super::read::{self, Run};
+use super::{Cell, MeasureError};
+use crate::patch::suggestion;
+use crate::program::Probe;
+
+/// A row of the table.
+#[derive(Debug)]
+pub(super) struct Entry {
+    pub name: &'static str,
+    /// What it reads, in a line.
+    pub meaning: &'static str,
+    signals: Signals,
+    options: &'static [&'static str],
+    /// What the name of each column has behind that of the measure, and its unit.
+    pub columns: &'static [(&'static str, UnitOf)],
+    pub read: fn(&Run<'_>) -> Vec<Result<Cell, String>>,
+}
+
+impl PartialEq for Entry {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+/// The unit of a column.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum UnitOf {
+    /// That of the first signal.
+    Signal,
+    Text(&'static str),
+}
+
+/// The signals that a measure reads.
+#[derive(Debug)]
+enum Signals {
+    /// None.
+    None,
+    /// One, which has to be named.
+    One,
+    /// These, where no others are named.
+    Usual(&'static [&'static str]),
+}
+
+const SIGNAL: &[(&str, UnitOf)] = &[("", UnitOf::Signal)];
+
+pub(super) const TABLE: &[Entry] = &[
+    Entry {
+        name: "voltmeter",
+        meaning: "the value at the end of the run",
+        signals: Signals::One,
+        options: &[],
+        columns: SIGNAL,
+        read: read::voltmeter,
+    },
+    Entry {
+        name: "peak",
+        meaning: "the largest value without sign",
+        signals: Signals::One,
+        options: &[],
+        columns: SIGNAL,
+        read: read::peak,
+    },
+    Entry {
+        name: "least",
+        meaning: "the least value",
+        signals: Signals::One,
+        options: &[],
+        columns: SIGNAL,
+        read: read::least,
+    },
+    Entry {
+        name: "most",
+        meaning: "the largest value",
+        signals: Signals::One,
+        options: &[],
+        columns: SIGNAL,
+        read: read::most,
+    },
+    Entry {
+        name: "amplitude",
+        meaning: "half of the swing of an oscillation, over the last half of the run or its last so many seconds",
+        signals: Signals::One,
+        options: &["last"],
+        columns: SIGNAL,
+        read: read::amplitude,
+    },
+    Entry {
+        name: "frequency",
+        meaning: "whole cycles of an oscillation over their time, read like its amplitude",
+        signals: Signals::One,
+        options: &["last"],
+        columns: &[("", UnitOf::Text("Hz"))],
+        read: read::frequency,
+    },
+    Entry {
+        name: "critical_velocity",
+        meaning: "the command at which oscillation ends while it rises, and begins while it falls: swings above a \
+                  threshold (0.25 mm/s) within a window (0.04 s)",
+        signals: Signals::Usual(&["v_i", "v_o"]),
+        options: &["threshold", "window"],
+        columns: &[("_rising", UnitOf::Signal), ("_falling", UnitOf::Signal)],
+        read: read::critical_velocity,
+    },
+    Entry {
+        name: "stick_end",
+        meaning: "when a velocity first passes a threshold (a millionth of its largest value): sliding begins",
+        signals: Signals::Usual(&["v_o"]),
+        options: &["threshold"],
+        columns: &[("", UnitOf::Text("s"))],
+        read: read::stick_end,
+    },
+    Entry {
+        name: "overload",
+        meaning: "the amplifier whose overload lamp lights first, and when",
+        signals: Signals::None,
+        options: &[],
+        columns: &[("", UnitOf::Text("")), ("_time", UnitOf::Text("s"))],
+        read: read::overload,
+    },
+];
+
+impl Entry {
+    /// How it is asked for.
+    pub fn written(&self) -> String {
+        let signals = match self.signals {
+            Signals::None => String::new(),
+            Signals::One => "SIGNAL".to_owned(),
+            Signals::Usual(names) => format!("[{}]", names.join(",")),
+        };
+        let options = self.options.iter().map(|option| format!("[{option}=NUMBER]"));
+        let all: Vec<_> = [signals].into_iter().chain(options).filter(|part| !part.is_empty()).collect();
+        let colon = if all.is_empty() { "" } else { ":" };
+        format!("{}{colon}{}", self.name, all.join(","))
+    }
+
+    /// Names and units of the signals that it is to read.
+    pub fn connected(&self, named: &[&str], known: &[Probe]) -> Result<Vec<(String, String)>, MeasureError> {
+        let (names, wanted, example) = match (&self.signals, named) {
+            (Signals::Usual(usual), []) => (*usual, "", ""),
+            (Signals::Usual([_]), _) => (named, "one signal", "SIGNAL"),
+            (Signals::Usual(_), _) => {
+                (named, "two signals, the commanded and the actual velocity", "v_i,v_o")
+            }
+            (Signals::One, _) => (named, "one signal", "SIGNAL"),
+            (Signals::None, _) => (named, "no signal", ""),
+        };
+        let count = match self.signals {
+            Signals::None => 0,
+            Signals::One => 1,
+            Signals::Usual(usual) => usual.len(),
+        };
+        if names.len() != count {
+            return Err(MeasureError::Signals { measure: self.name, wanted, example });
+        }
+        names.iter().map(|name| self.find(name, known)).collect()
+    }
+
+    fn find(&self, name: &str, known: &[Probe]) -> Result<(String, String), MeasureError> {
+        let found = known.iter().find(|probe| probe.name == name);
+        found.map(|probe| (probe.name.clone(), probe.unit.clone())).ok_or_else(|| {
+            let names: Vec<_> = known.iter().map(|probe| probe.name.as_str()).collect();
+            let hint = suggestion(name, &names).unwrap_or_default();
+            MeasureError::UnknownSignal { measure: self.name, signal: name.to_owned(), hint }
+        })
+    }
+
+    /// The values of its options.
+    pub fn set<'a>(
+        &self,
+        given: impl Iterator<Item = (&'a str, &'a str)>,
+    ) -> Result<Vec<Option<f64>>, MeasureError> {
+        let measure = self.name;
+        let mut values = vec![None; self.options.len()];
+        for (name, value) in given.map(|(name, value)| (name.trim(), value.trim())) {
+            let index = self.options.iter().position(|option| *option == name).ok_or_else(|| {
+                let hint = suggestion(name, self.options).unwrap_or_else(|| "it has none".to_owned());
+                MeasureError::UnknownOption { measure, option: name.to_owned(), hint }
+            })?;
+            let number = value.parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
+            let value = value.to_owned();
+            let bad = MeasureError::BadOption { measure, option: self.options[index], value };
+            values[index] = Some(number.ok_or(bad)?);
+        }
+        Ok(values)
+    }
+}

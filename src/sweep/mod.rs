@@ -1,0 +1,265 @@
+//! Sweeps: one run for every combination of parameters, on all cores, a row of measures for each.
+//!
+//! The rows are the same to the bit whatever the number of threads, and whether or not the sweep was killed and gone
+//! on with in between.
+
+mod bench;
+mod error;
+mod journal;
+mod plan;
+mod pool;
+mod row;
+mod table;
+
+pub use bench::Bench;
+pub use error::{JournalError, PlanError};
+pub use plan::{Axis, Plan};
+pub use row::Row;
+
+use std::fmt::{self, Write as _};
+use std::io;
+use std::path::Path;
+
+use crate::instruments::{Column, Measure};
+use crate::program::Program;
+use crate::solve::{RunError, RunSettings};
+use crate::trace::number;
+use journal::Journal;
+
+/// Which runs are made, how, and what is measured of each.
+#[derive(Debug)]
+pub struct Sweep {
+    name: String,
+    program: Program,
+    settings: RunSettings,
+    plan: Plan,
+    measures: Vec<Measure>,
+}
+
+/// Why there is no sweep.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// Nothing is measured.
+    #[error("nothing is measured")]
+    NoMeasure,
+    /// Two columns would have the same name.
+    #[error("two columns would be called {0}: measure it once, or name the parameter otherwise")]
+    SameColumn(String),
+    /// The settings make no run.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+/// What was done by one call.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Tally {
+    /// Rows that stood there already.
+    pub kept: u64,
+    /// Rows written.
+    pub written: u64,
+    /// Runs among them that failed.
+    pub failed: u64,
+    /// Runs among them of which something could not be read, or in which something was overloaded.
+    pub noted: u64,
+}
+
+/// The last two columns: the code of what went wrong, and in words why cells are empty and what to know of the rest.
+const LAST_COLUMNS: [&str; 2] = ["error", "note"];
+
+impl Sweep {
+    /// A sweep of the runs of a plan. The settings tell how to run; recorded is what the measures read. The name of the
+    /// patch is told in the table.
+    ///
+    /// # Errors
+    /// When nothing is measured, two columns would have the same name, or the settings make no run.
+    pub fn new(
+        name: &str,
+        program: Program,
+        settings: RunSettings,
+        plan: Plan,
+        measures: Vec<Measure>,
+    ) -> Result<Sweep, SweepError> {
+        if measures.is_empty() {
+            return Err(SweepError::NoMeasure);
+        }
+        let mut record: Vec<String> = Vec::new();
+        for signal in measures.iter().flat_map(Measure::signals) {
+            if !record.iter().any(|recorded| recorded == signal) {
+                record.push(signal.to_owned());
+            }
+        }
+        let settings = RunSettings { record, ..settings };
+        settings.check()?;
+        let sweep = Sweep { name: name.to_owned(), program, settings, plan, measures };
+        let names = sweep.column_names();
+        match names.iter().enumerate().find(|(at, name)| names[..*at].contains(name)) {
+            Some((_, twice)) => Err(SweepError::SameColumn(twice.clone())),
+            None => Ok(sweep),
+        }
+    }
+
+    /// How it is run.
+    pub fn settings(&self) -> &RunSettings {
+        &self.settings
+    }
+
+    /// Its plan.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The columns: the parameters varied, and what is measured. Behind them stand "error" and "note".
+    pub fn columns(&self) -> Vec<Column> {
+        let unit = |name: &str| {
+            let slot = self.program.parameters().iter().find(|slot| slot.name == name);
+            slot.map_or_else(String::new, |slot| slot.unit.clone())
+        };
+        let varied = self.plan.names().map(|name| Column { name: name.to_owned(), unit: unit(name) });
+        varied.chain(self.measures.iter().flat_map(Measure::columns)).collect()
+    }
+
+    fn column_names(&self) -> Vec<String> {
+        let last = LAST_COLUMNS.map(str::to_owned);
+        self.columns().into_iter().map(|column| column.name).chain(last).collect()
+    }
+
+    /// A bench on which its runs are made, one after the other.
+    pub fn bench(&self) -> Bench<'_> {
+        Bench::new(self)
+    }
+
+    /// What stands above the rows: comment lines that tell of which sweep they are, units, and the names of the
+    /// columns.
+    pub fn head(&self) -> String {
+        let mut lines =
+            vec![format!("patchcord {} sweep", env!("CARGO_PKG_VERSION")), format!("patch: {}", self.name)];
+        lines.extend(self.plan.texts().iter().map(|axis| format!("vary: {axis}")));
+        lines.push(format!("with: {}", self.kept_parameters()));
+        lines.push(format!("run: {}", self.run_told()));
+        lines.extend(self.measures.iter().map(|measure| format!("measure: {}", measure.text())));
+        lines.push(format!("fingerprint: {:016x}", self.fingerprint()));
+        let units = self.columns().into_iter().filter(|column| !column.unit.is_empty());
+        lines.extend(units.map(|column| format!("{}: {}", column.name, column.unit)));
+        let one_line =
+            |line: String| format!("# {}\n", line.split_whitespace().collect::<Vec<_>>().join(" "));
+        lines.into_iter().map(one_line).collect::<String>() + &row::csv_line(&self.column_names())
+    }
+
+    /// The parameters that are not varied, in their declared units.
+    fn kept_parameters(&self) -> String {
+        let kept =
+            self.program.parameters().iter().filter(|slot| self.plan.names().all(|name| name != slot.name));
+        let told = kept.map(|slot| format!("{}={}", slot.name, number(slot.value / slot.per_unit)));
+        told.collect::<Vec<_>>().join(",")
+    }
+
+    fn run_told(&self) -> String {
+        let RunSettings { step, tolerance, every, .. } = &self.settings;
+        let step = match tolerance {
+            Some(tolerance) => format!("tolerance {}", number(*tolerance)),
+            None => format!("step {} s", number(*step)),
+        };
+        let duration = number(self.settings.duration());
+        format!("for {duration} s, {step}, recorded every {} s", number(*every))
+    }
+
+    /// A number that differs, but for accidents, when anything differs on which the rows depend.
+    fn fingerprint(&self) -> u64 {
+        let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
+        // Writing into it never fails.
+        let _ = write!(hash, "{:?}\n{:?}\n{:?}\n", self.program, self.settings, self.plan);
+        self.measures.iter().for_each(|measure| {
+            let _ = writeln!(hash, "{}", measure.text());
+        });
+        hash.0
+    }
+
+    /// Makes all runs on so many threads, and writes head and rows.
+    ///
+    /// # Errors
+    /// When the writer refuses.
+    pub fn write(
+        &self,
+        out: &mut dyn io::Write,
+        threads: usize,
+        progress: &mut dyn FnMut(u64),
+    ) -> io::Result<Tally> {
+        out.write_all(self.head().as_bytes())?;
+        self.rows_from(0, threads, progress, |line| out.write_all(line.as_bytes()).and_then(|()| out.flush()))
+    }
+
+    /// Makes the runs that a file does not hold yet, on so many threads, and appends their rows; makes the file where
+    /// there is none. `progress` is told how many rows there are, at the beginning too.
+    ///
+    /// # Errors
+    /// When the file is of another sweep or cannot be written. What was there is then as it was.
+    pub fn append_to(
+        &self,
+        path: &Path,
+        threads: usize,
+        progress: &mut dyn FnMut(u64),
+    ) -> Result<Tally, JournalError> {
+        let beginning = |run| row::beginning(&self.plan.values(run));
+        let mut journal = Journal::open(path, &self.head(), self.plan.runs(), beginning)?;
+        let kept = journal.rows;
+        let tally = self.rows_from(kept, threads, progress, |line| journal.append(line))?;
+        Ok(Tally { kept, ..tally })
+    }
+
+    /// Makes the runs from one on, and gives their rows to the writer in order.
+    fn rows_from<E>(
+        &self,
+        first: u64,
+        threads: usize,
+        progress: &mut dyn FnMut(u64),
+        mut write: impl FnMut(&str) -> Result<(), E>,
+    ) -> Result<Tally, E> {
+        let runs = self.plan.runs();
+        let threads = (threads.max(1) as u64).min(runs.saturating_sub(first).max(1));
+        let benches: Vec<_> = (0..threads).map(|_| self.bench()).collect();
+        let mut tally = Tally::default();
+        progress(first);
+        pool::in_order(
+            first..runs,
+            benches,
+            |bench, run| bench.row(&self.plan.values(run)),
+            |row: Row| {
+                write(&row.line())?;
+                tally.written += 1;
+                tally.failed += u64::from(row.error.is_some());
+                tally.noted += u64::from(row.error.is_none() && !row.notes.is_empty());
+                progress(first + tally.written);
+                Ok(())
+            },
+        )?;
+        Ok(tally)
+    }
+}
+
+/// The hash of Fowler, Noll and Vo, 64 bits, variant 1a.
+struct Fnv(u64);
+
+impl fmt::Write for Fnv {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0 =
+            text.bytes().fold(self.0, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3));
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hash_is_that_of_its_authors() {
+        let hash = |text: &str| {
+            let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
+            hash.write_str(text).unwrap();
+            hash.0
+        };
+        assert_eq!(hash(""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(hash("a"), 0xaf63_dc4c_8601_ec8c);
+        assert_eq!(hash("foobar"), 0x8594_4171_f739_67e8);
+    }
+}

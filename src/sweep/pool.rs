@@ -1,0 +1,164 @@
+//! Work done by several threads, and taken in its order.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+/// How far the fastest thread may be ahead of what was taken, for each thread: what waits for a slow run stays in
+/// memory.
+const AHEAD: u64 = 64;
+
+/// Does the work of every index on so many threads, each with an object of its own, and gives the results to `take` in
+/// the order of the indices, on this thread. When `take` refuses one, what has begun is finished and the rest left.
+pub(super) fn in_order<W, T: Send, E>(
+    indices: Range<u64>,
+    workers: Vec<W>,
+    work: impl Fn(&mut W, u64) -> T + Sync,
+    mut take: impl FnMut(T) -> Result<(), E>,
+) -> Result<(), E>
+where
+    W: Send,
+{
+    let window = AHEAD * workers.len() as u64;
+    let queue = Queue::new(indices, window);
+    thread::scope(|scope| {
+        for mut worker in workers {
+            let (queue, work) = (&queue, &work);
+            scope.spawn(move || {
+                while let Some(index) = queue.next() {
+                    queue.put(index, work(&mut worker, index));
+                }
+            });
+        }
+        let outcome = queue.drain(&mut take);
+        queue.stop();
+        outcome
+    })
+}
+
+/// What is still to be done, and what was done and not yet taken.
+struct Queue<T> {
+    state: Mutex<State<T>>,
+    window: u64,
+    end: u64,
+    /// Something was taken: there is room for more.
+    room: Condvar,
+    /// Something was done.
+    done: Condvar,
+}
+
+struct State<T> {
+    /// Next index to do.
+    next: u64,
+    /// Next index to take.
+    due: u64,
+    /// Results from `due` on.
+    ready: VecDeque<Option<T>>,
+    is_stopped: bool,
+}
+
+impl<T> Queue<T> {
+    fn new(indices: Range<u64>, window: u64) -> Self {
+        let state =
+            State { next: indices.start, due: indices.start, ready: VecDeque::new(), is_stopped: false };
+        let (room, done) = (Condvar::new(), Condvar::new());
+        Queue { state: Mutex::new(state), window, end: indices.end, room, done }
+    }
+
+    /// A thread that broke off leaves the state as whole as it was.
+    fn lock(&self) -> MutexGuard<'_, State<T>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// An index to do, once there is room for its result.
+    fn next(&self) -> Option<u64> {
+        let full = |state: &mut State<T>| !state.is_stopped && state.next >= state.due + self.window;
+        let mut state = self.room.wait_while(self.lock(), full).unwrap_or_else(PoisonError::into_inner);
+        if state.is_stopped || state.next >= self.end {
+            return None;
+        }
+        state.next += 1;
+        Some(state.next - 1)
+    }
+
+    fn put(&self, index: u64, result: T) {
+        let mut state = self.lock();
+        let place = (index - state.due) as usize;
+        if state.ready.len() <= place {
+            state.ready.resize_with(place + 1, || None);
+        }
+        state.ready[place] = Some(result);
+        self.done.notify_one();
+    }
+
+    fn drain<E>(&self, take: &mut impl FnMut(T) -> Result<(), E>) -> Result<(), E> {
+        while let Some(result) = self.first() {
+            take(result)?;
+        }
+        Ok(())
+    }
+
+    /// The next result in order, once it is there.
+    fn first(&self) -> Option<T> {
+        let is_missing =
+            |state: &mut State<T>| state.due < self.end && !matches!(state.ready.front(), Some(Some(_)));
+        let mut state = self.done.wait_while(self.lock(), is_missing).unwrap_or_else(PoisonError::into_inner);
+        let first = state.ready.pop_front().flatten()?;
+        state.due += 1;
+        self.room.notify_all();
+        Some(first)
+    }
+
+    fn stop(&self) {
+        self.lock().is_stopped = true;
+        self.room.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    /// What a thousand pieces of uneven work come to, and how far the fastest was ahead.
+    fn thousand(threads: usize) -> (Vec<u64>, u64) {
+        let (taken, furthest) = (AtomicU64::new(0), AtomicU64::new(0));
+        let mut results = Vec::new();
+        let work = |mine: &mut u64, index: u64| {
+            *mine += 1;
+            furthest.fetch_max(index - taken.load(Ordering::SeqCst).min(index), Ordering::SeqCst);
+            (0..(index * 7919 % 97) * 100)
+                .fold(index, |sum, number| std::hint::black_box(sum ^ number ^ number))
+        };
+        let take = |result| {
+            results.push(result);
+            taken.fetch_add(1, Ordering::SeqCst);
+            Ok::<(), ()>(())
+        };
+        in_order(0..1000, vec![0; threads], work, take).unwrap();
+        (results, furthest.into_inner())
+    }
+
+    #[test]
+    fn results_come_in_order_and_none_is_far_ahead() {
+        for threads in [1, 2, 7] {
+            let (results, furthest) = thousand(threads);
+            assert!(results.iter().copied().eq(0..1000), "{threads} threads");
+            assert!(furthest <= AHEAD * threads as u64 + 1, "{furthest} with {threads} threads");
+        }
+    }
+
+    #[test]
+    fn a_refusal_ends_the_work() {
+        let done = AtomicU64::new(0);
+        let work = |(): &mut (), index| {
+            done.fetch_add(1, Ordering::SeqCst);
+            index
+        };
+        let take = |index| if index == 10 { Err("full") } else { Ok(()) };
+        assert_eq!(in_order(0..1_000_000, vec![(), ()], work, take), Err("full"));
+        assert!(done.load(Ordering::SeqCst) <= 11 + 2 * AHEAD + 2);
+        assert_eq!(in_order(5..5, vec![()], work, |_| Err("none is due")), Ok(()));
+    }
+}

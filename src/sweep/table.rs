@@ -1,0 +1,140 @@
+//! Settings row by row from a CSV file: a line of parameters' names, and a line of values for every run.
+
+use std::fs::File;
+use std::path::Path;
+
+use csv::StringRecord;
+
+use super::error::PlanError;
+use super::plan::{Axis, Values, slot};
+use crate::patch::Unit;
+use crate::program::Program;
+
+/// Bytes of the largest file that is read.
+const LARGEST: u64 = 100_000_000;
+
+impl Axis {
+    /// Reads an axis from a CSV file: the names of parameters, and a line of values in their declared units for every
+    /// run. Lines that begin with # are comments; "# NAME: UNIT" has to tell the declared unit.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or is no such table.
+    pub fn read(path: &Path, program: &Program) -> Result<Axis, PlanError> {
+        let fault = |message: String| PlanError::Rows { file: path.to_owned(), message };
+        let text = text_of(path).map_err(|error| fault(error.to_string()))?;
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        check_units(text, program).map_err(fault)?;
+        let mut reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
+        let mut records = reader.records();
+        let Some(names) = records.next() else { return Err(fault(EMPTY.to_owned())) };
+        let names: Vec<_> =
+            names.map_err(|error| fault(error.to_string()))?.iter().map(str::to_owned).collect();
+        names
+            .iter()
+            .try_for_each(|name| slot(program, name).map(drop))
+            .map_err(|error| fault(error.to_string()))?;
+        let mut values = Vec::new();
+        for record in records {
+            let record = record.map_err(|error| fault(error.to_string()))?;
+            values.extend(numbers(&record, &names).map_err(fault)?);
+        }
+        if values.is_empty() {
+            return Err(fault(EMPTY.to_owned()));
+        }
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Axis { names, values: Values::Rows { file, values } })
+    }
+}
+
+const EMPTY: &str = "a line of parameters' names is needed, and a line of values for every run";
+
+fn text_of(path: &Path) -> std::io::Result<String> {
+    if File::open(path)?.metadata()?.len() > LARGEST {
+        return Err(std::io::Error::other(format!("it has more than {} MB", LARGEST / 1_000_000)));
+    }
+    std::fs::read_to_string(path)
+}
+
+/// Whether the units that comments tell are those that the patch declares.
+fn check_units(text: &str, program: &Program) -> Result<(), String> {
+    for (line, comment) in text.lines().enumerate() {
+        let Some((name, told)) = comment.strip_prefix('#').and_then(|comment| comment.split_once(':')) else {
+            continue;
+        };
+        let Ok(slot) = slot(program, name.trim()) else { continue };
+        let same = |unit: &Unit| {
+            Unit::parse(&slot.unit)
+                .is_ok_and(|own| own.dimension() == unit.dimension() && own.factor() == unit.factor())
+        };
+        if !Unit::parse(told.trim()).is_ok_and(|unit| same(&unit)) {
+            let (line, name, told) = (line + 1, &slot.name, told.trim());
+            return Err(format!(
+                "line {line} tells \"{told}\" as the unit of {name}, and the patch has {}",
+                slot.unit
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The numbers of a row.
+fn numbers(record: &StringRecord, names: &[String]) -> Result<Vec<f64>, String> {
+    let line = record.position().map_or(0, csv::Position::line);
+    let number = |(field, name): (&str, &String)| {
+        let number = field.parse().ok().filter(|number: &f64| number.is_finite());
+        number
+            .ok_or_else(|| format!("line {line} has \"{field}\" where a finite number is needed, for {name}"))
+    };
+    record.iter().zip(names).map(number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::circuit::Circuit;
+    use crate::patch::Patch;
+    use crate::sweep::Plan;
+
+    fn plan(text: &str) -> Result<Plan, String> {
+        let patch = Patch::read("patches/thesis/fig-8-16.json".as_ref()).unwrap();
+        let program = Program::new(&Circuit::new(&patch, &[]).unwrap()).unwrap();
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), text).unwrap();
+        let plan = Axis::read(file.path(), &program).and_then(|axis| Plan::new(vec![axis], &program));
+        plan.map_err(|error| error.to_string().replace(&file.path().display().to_string(), "FILE"))
+    }
+
+    #[test]
+    fn rows_are_runs() {
+        let plan = plan("\u{feff}# made by hand\n# VcL: mm/s * 1000\n").map(|_| ()).unwrap_err();
+        assert!(plan.contains("line 2 tells"), "{plan}");
+        let plan = super::tests::plan("# VcL: m/s\nVcL, Tc\r\n1e-3,0.01\n\n2e-3,0.02\n").unwrap();
+        assert_eq!((plan.runs(), plan.values(1)), (2, vec![2e-3, 0.02]));
+    }
+
+    #[test]
+    fn what_is_no_table_is_told_with_its_line() {
+        let cases = [
+            ("", "FILE: a line of parameters' names is needed"),
+            ("VcL\n", "FILE: a line of parameters' names is needed"),
+            ("VLc\n1\n", "FILE: there is no parameter VLc to vary; did you mean \"VcL\"?"),
+            ("VcL,Tc\n1e-3\n", "FILE: CSV error: record 1 (line: 2, byte: 7): found record with 1 fields"),
+            ("VcL,Tc\n1e-3,\n", "FILE: line 2 has \"\" where a finite number is needed, for Tc"),
+            ("VcL\n1e-3\ninf\n", "FILE: line 3 has \"inf\" where"),
+            ("VcL\n1\n", "VcL = 1 m/s is outside its range"),
+            ("VcL,VcL\n1e-3,1e-3\n", "VcL is varied twice"),
+            (
+                "# VcL: mm/s\nVcL\n1\n",
+                "FILE: line 1 tells \"mm/s\" as the unit of VcL, and the patch has m/s",
+            ),
+        ];
+        for (text, expected) in cases {
+            let error = plan(text).unwrap_err();
+            assert!(error.starts_with(expected), "{text:?}: {error}");
+        }
+    }
+}

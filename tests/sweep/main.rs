@@ -1,0 +1,179 @@
+//! Sweeps: the same rows whatever turned the pots, however many threads work, whenever it was killed.
+
+mod killed;
+mod page;
+
+use std::path::{Path, PathBuf};
+
+use patchcord::circuit::Circuit;
+use patchcord::instruments::Measure;
+use patchcord::patch::{ElementBuilder, Patch, PatchBuilder};
+use patchcord::program::Program;
+use patchcord::solve::{self, RunSettings};
+use patchcord::sweep::{Axis, Plan, Sweep};
+
+fn program(patch: &Patch, changes: &[(String, f64)]) -> Option<(Circuit, Program)> {
+    let circuit = Circuit::new(patch, changes).ok()?;
+    let program = Program::new(&circuit).ok()?;
+    Some((circuit, program))
+}
+
+fn sweep(
+    patch: &Patch,
+    axes: &[&str],
+    measures: &[&str],
+    settings: impl FnOnce(RunSettings) -> RunSettings,
+) -> Sweep {
+    let (circuit, program) = program(patch, &[]).unwrap();
+    let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
+    let plan = Plan::new(axes, &program).unwrap();
+    let measures = measures.iter().map(|text| Measure::parse(text, program.signals()).unwrap()).collect();
+    let settings = settings(RunSettings::of(&circuit).unwrap());
+    Sweep::new("a.json", program, settings, plan, measures).unwrap()
+}
+
+/// Every row, without the lines above them.
+fn rows(sweep: &Sweep, threads: usize) -> Vec<String> {
+    let mut bytes = Vec::new();
+    sweep.write(&mut bytes, threads, &mut |_| ()).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    let rows = text.strip_prefix(&sweep.head()).unwrap().lines();
+    rows.map(str::to_owned).collect()
+}
+
+fn slideway() -> Patch {
+    Patch::read("patches/thesis/fig-8-16.json".as_ref()).unwrap()
+}
+
+fn shipped() -> Vec<PathBuf> {
+    let folders = ["patches/thesis", "patches/lessons"];
+    let files = folders.iter().flat_map(|folder| Path::new(folder).read_dir().unwrap());
+    let mut files: Vec<_> = files.map(|entry| entry.unwrap().path()).collect();
+    files.retain(|file| file.extension().is_some_and(|ending| ending == "json"));
+    files.sort();
+    files
+}
+
+/// Settings of a patch near those of its own: all of its parameters with a range, each by another share.
+fn near(patch: &Patch, toward: f64) -> Vec<(String, f64)> {
+    let ranged = patch
+        .parameters
+        .iter()
+        .filter_map(|(name, parameter)| Some((name, parameter.value, parameter.range?)));
+    let moved = ranged.enumerate().map(|(index, (name, value, (low, high)))| {
+        let end = if index % 2 == 0 { high } else { low };
+        (name.clone(), value + toward * (end - value) / (1.0 + index as f64))
+    });
+    moved.collect()
+}
+
+#[test]
+fn pots_that_are_turned_give_the_bits_of_a_fresh_program() {
+    let mut compared = 0;
+    for file in shipped() {
+        let patch = Patch::read(&file).unwrap();
+        let (circuit, mut turned) = program(&patch, &[]).unwrap();
+        let own = RunSettings::of(&circuit).unwrap();
+        let seconds = 0.02 * own.duration();
+        let settings = RunSettings { every: own.step, ..own }.lasting(seconds);
+        for toward in [0.05, 0.3, 0.0] {
+            let changes = near(&patch, toward);
+            let named: Vec<_> = changes.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+            let preset = solve::preset(&mut turned, &named);
+            let Some((_, fresh)) = program(&patch, &changes) else {
+                assert!(preset.is_err() || solve::run(&turned, &settings).is_err(), "{file:?} {changes:?}");
+                continue;
+            };
+            preset.unwrap();
+            assert_eq!(solve::run(&turned, &settings), solve::run(&fresh, &settings), "{file:?} {changes:?}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 40, "{compared}");
+}
+
+#[test]
+fn rows_are_the_same_whatever_the_number_of_threads() {
+    let sweep = sweep(
+        &slideway(),
+        &["VcL=1.27e-3:25.4e-3:5:log", "Tc=0.006:0.025:4"],
+        &["peak:v_o", "stick_end", "frequency:v_o,last=0.1"],
+        |own| own.lasting(0.25),
+    );
+    let one = rows(&sweep, 1);
+    assert_eq!(one.len(), 20);
+    assert!(one[0].starts_with("0.00127,0.006,") && one[1].starts_with("0.00127,0.012"), "{one:?}");
+    for threads in [2, 5] {
+        assert_eq!(rows(&sweep, threads), one, "{threads} threads");
+    }
+}
+
+#[test]
+fn a_row_is_what_a_run_with_these_parameters_reads() {
+    let measures = ["voltmeter:x_error", "least:v_o", "most:v_o", "peak:A3"];
+    let sweep = sweep(&slideway(), &["K=20e6,45e6", "M=433,800"], &measures, |own| own.lasting(0.3));
+    let changes = [("K".to_owned(), 20e6), ("M".to_owned(), 800.0)];
+    let (_, fresh) = program(&slideway(), &changes).unwrap();
+    let trace = solve::run(&fresh, sweep.settings()).unwrap();
+    let readings = patchcord::instruments::readings(&trace);
+    let read = |name: &str| readings.iter().find(|reading| reading.signal == name).unwrap();
+    let expected =
+        [read("x_error").end, read("v_o").least.value, read("v_o").most.value, read("A3").largest()];
+    let row = &rows(&sweep, 2)[1];
+    let cells: Vec<f64> = row.split(',').take(6).map(|cell| cell.parse().unwrap()).collect();
+    assert_eq!((cells[0], cells[1], &cells[2..]), (20e6, 800.0, expected.as_slice()));
+}
+
+/// A pot at twice the parameter k, between the reference and a summer.
+fn pot() -> Patch {
+    let pot = ElementBuilder::new("pot").cord("in", "+100").set("setting", "2 * k");
+    let builder = PatchBuilder::new("pot").parameter("k", 0.1, "1", [0.0, 1.0]).scale("volt", 1, "V");
+    let builder =
+        builder.element("P", pot).element("S", ElementBuilder::new("summer").cords("x1", ["P", "P"]));
+    builder.signal("s", "S", "volt", 1.0).run(1.0, 0.1).build().unwrap()
+}
+
+#[test]
+fn runs_that_fail_and_overloads_are_kept_with_their_reason() {
+    let sweep = sweep(&pot(), &["k=0.1,0.75,0.4,0.2"], &["voltmeter:s", "frequency:s"], |own| own);
+    let quiet = "frequency:s: no oscillation: 0 whole cycles, and at least 2 are needed";
+    let expected = [
+        format!("0.1,-40,,,\"{quiet}\""),
+        "0.75,,,outside-range,\"P setting comes to 1.5, outside 0 ... 1\"".to_owned(),
+        format!("0.4,-100,,,\"{quiet}; overload of S at t = 0.000000 s\""),
+        format!("0.2,-80,,,\"{quiet}\""),
+    ];
+    assert_eq!(rows(&sweep, 2), expected);
+}
+
+#[test]
+fn what_cannot_be_swept_is_refused() {
+    let (circuit, program) = program(&pot(), &[]).unwrap();
+    let plan = |text: &str| Plan::new(vec![Axis::parse(text).unwrap()], &program).unwrap();
+    let made = |measures: &[&str], step: f64| {
+        let measures = measures.iter().map(|text| Measure::parse(text, program.signals()).unwrap()).collect();
+        let settings = RunSettings { step, ..RunSettings::of(&circuit).unwrap() };
+        Sweep::new("a.json", program.clone(), settings, plan("k=0,1"), measures)
+            .map_err(|error| error.to_string())
+    };
+    assert_eq!(made(&[], 0.1).unwrap_err(), "nothing is measured");
+    assert!(made(&["peak:s", "peak:s"], 0.1).unwrap_err().starts_with("two columns would be called peak:s"));
+    assert!(made(&["peak:s"], 2.0).unwrap_err().contains("longer than the run"));
+    assert!(made(&["peak:s", "peak:P"], 0.1).is_ok());
+}
+
+#[test]
+fn a_head_tells_its_sweep_from_others() {
+    let head = |axis: &str, measure: &str, seconds: f64| {
+        sweep(&pot(), &[axis], &[measure], |own| own.lasting(seconds)).head()
+    };
+    let first = head("k=0:0.5:3", "peak:s", 1.0);
+    assert_eq!(first, head("k=0:0.5:3", "peak:s", 1.0));
+    for other in
+        [head("k=0:0.5:4", "peak:s", 1.0), head("k=0:0.5:3", "most:s", 1.0), head("k=0:0.5:3", "peak:s", 2.0)]
+    {
+        let fingerprint =
+            |head: &str| head.lines().find(|line| line.contains("fingerprint")).unwrap().to_owned();
+        assert_ne!(fingerprint(&first), fingerprint(&other));
+    }
+}
