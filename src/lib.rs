@@ -23,6 +23,7 @@
 pub mod circuit;
 pub mod elements;
 pub mod instruments;
+pub mod linear;
 pub mod machines;
 pub mod output;
 pub mod patch;

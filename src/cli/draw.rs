@@ -7,14 +7,12 @@ use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::files::{check_apart, named_like, prepare, put, written};
-use super::load::{Loaded, PatchArguments, document, parameter_line, problem_check};
-use super::progress::Progress;
+use super::instant::{InstantOption, instant, instant_told};
+use super::load::{Loaded, PatchArguments, document, parameter_line};
 use super::{say, say_json};
-use patchcord::circuit::Circuit;
-use patchcord::patch::{Placed, RunPlan, Span};
 use patchcord::plot::{Drawing, Format, Theme, render_drawing};
 use patchcord::schematic::{Board, Schematic};
-use patchcord::solve::{self, Machine, MachineMode, RunError, RunSettings};
+use patchcord::solve::Machine;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -40,14 +38,11 @@ pub(super) struct Arguments {
     dark: bool,
 }
 
-fn instant(text: &str) -> Result<f64, String> {
-    let seconds: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number of seconds"))?;
-    if seconds >= 0.0 && seconds.is_finite() {
-        Ok(seconds)
-    } else {
-        Err("a time from 0 s on is wanted".to_owned())
-    }
-}
+/// The option that chooses when voltages are read.
+const VALUES: InstantOption = InstantOption {
+    name: "--values",
+    without: "--values alone draws the initial condition, and `run --csv` gives voltages",
+};
 
 pub(super) fn draw(arguments: &Arguments) -> Result<(), Failure> {
     carry_out(arguments).map_err(|failure| failure.told_as_json(arguments.patch.json))
@@ -99,8 +94,11 @@ impl Arguments {
     }
 
     fn schematic(&self, loaded: &Loaded) -> Result<Schematic, Failure> {
-        let machine = self.values.map(|seconds| machine_at(loaded, seconds)).transpose()?;
-        let told = machine.as_ref().zip(self.values).map(|(machine, seconds)| instant_told(machine, seconds));
+        let machine = self.values.map(|seconds| VALUES.machine(loaded, seconds)).transpose()?;
+        let told = machine
+            .as_ref()
+            .zip(self.values)
+            .map(|(machine, seconds)| format!("voltages {}", instant_told(machine, seconds)));
         let notes = [parameter_line(&loaded.circuit), told.unwrap_or_default()];
         let notes: Vec<_> = notes.into_iter().filter(|note| !note.is_empty()).collect();
         let volts =
@@ -117,59 +115,6 @@ impl Arguments {
             _ => "put parts of the patch into macros, which are drawn as boxes, or draw a part of it",
         };
         Failure::data(format!("{error}; {advice}"))
-    }
-}
-
-/// The machine in initial condition, or after so many problem seconds of one run.
-fn machine_at(loaded: &Loaded, seconds: f64) -> Result<Machine<'_>, Failure> {
-    let Loaded { circuit, program } = loaded;
-    if seconds == 0.0 {
-        return Ok(problem_check(circuit, program)?);
-    }
-    let settings = run_until(circuit.run_plan(), seconds, circuit)?;
-    let mut progress = Progress::new(settings.whole());
-    let machine = solve::machine_after(program, &settings, &mut |time| {
-        if let Some(progress) = &mut progress {
-            progress.step(time);
-        }
-    });
-    machine.map_err(|error| no_instant(&error))
-}
-
-/// One initial condition and so many seconds; nothing is recorded.
-fn run_until(plan: &RunPlan, seconds: f64, circuit: &Circuit) -> Result<RunSettings, Failure> {
-    if !plan.phases.is_empty() {
-        let message = "the patch's run is a list of phases: --values takes no SECONDS then, since they would not \
-                       be followed; --values alone draws the initial condition, and `run --csv` gives voltages";
-        return Err(Failure::usage(message));
-    }
-    let duration = Some(Placed { value: seconds, span: Span::default() });
-    let plan = RunPlan { duration, ..plan.clone() };
-    let settings = RunSettings::new(&plan, circuit).map_err(|error| no_instant(&error))?;
-    let settings = RunSettings { every: seconds, record: vec![], ..settings }.lasting(seconds);
-    settings.check().map_err(|error| no_instant(&error))?;
-    Ok(settings)
-}
-
-/// What the error says, and what helps.
-fn no_instant(error: &RunError) -> Failure {
-    let advice = match error {
-        RunError::Missing(_) => ": write {\"step\": SECONDS} there to draw the voltages of a later time",
-        RunError::LongerThanRun { .. } => ": ask --values for a later time",
-        RunError::TooManySteps { .. } => ": ask --values for an earlier time",
-        _ => "",
-    };
-    let message = format!("{error}{advice}");
-    let failure = if advice.is_empty() { Failure::data(message) } else { Failure::usage(message) };
-    failure.with("code", error.code().into())
-}
-
-/// When the voltages are read.
-fn instant_told(machine: &Machine<'_>, seconds: f64) -> String {
-    match machine.mode() {
-        MachineMode::Hold => format!("voltages at t = {:.6} s, held by an overload", machine.time()),
-        _ if seconds > 0.0 => format!("voltages at t = {seconds} s"),
-        _ => "voltages at initial condition".to_owned(),
     }
 }
 

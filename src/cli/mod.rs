@@ -6,6 +6,9 @@ mod draw;
 mod elements;
 mod failure;
 mod files;
+mod instant;
+mod linear_report;
+mod linearise;
 mod load;
 mod machines;
 mod man;
@@ -49,6 +52,8 @@ enum Command {
     Sweep(sweep::Arguments),
     /// Draw the schematic of a patch, or the patch panel with its cords
     Draw(draw::Arguments),
+    /// Small motions about a point: roots, frequencies, damping, Bode plot
+    Linearise(linearise::Arguments),
     /// List the computing elements and drives, or tell all about one
     Elements(elements::Arguments),
     /// List the machines that patches can be made for
@@ -84,6 +89,7 @@ fn carry_out(command: &Command) -> Result<(), Failure> {
         Command::Run(arguments) => run::run(arguments),
         Command::Sweep(arguments) => sweep::sweep(arguments),
         Command::Draw(arguments) => draw::draw(arguments),
+        Command::Linearise(arguments) => linearise::linearise(arguments),
         Command::Elements(arguments) => elements::elements(arguments),
         Command::Machines(arguments) => machines::machines(arguments),
         Command::Completions(arguments) => completions::completions(arguments),

@@ -7,11 +7,16 @@ pub(super) struct Table {
 
 impl Table {
     pub fn new<const N: usize>(headings: [&str; N]) -> Self {
-        Table { rows: vec![headings.map(str::to_owned).to_vec()] }
+        Table::with(headings.map(str::to_owned))
     }
 
-    pub fn row<const N: usize>(&mut self, cells: [String; N]) {
-        self.rows.push(cells.to_vec());
+    /// The same with headings that are made as the table is.
+    pub fn with(headings: impl Into<Vec<String>>) -> Self {
+        Table { rows: vec![headings.into()] }
+    }
+
+    pub fn row(&mut self, cells: impl Into<Vec<String>>) {
+        self.rows.push(cells.into());
     }
 
     /// Takes the first column away.

@@ -11,6 +11,8 @@ pub struct Axis {
     pub high: f64,
     /// How many equal divisions the graticule has along this axis, 1 to 100.
     pub divisions: usize,
+    /// Whether equal lengths are equal ratios; the ends then lie above 0, and divisions are decades.
+    pub logarithmic: bool,
 }
 
 /// By how much of a division data may overshoot before a further one is
@@ -56,6 +58,7 @@ impl Axis {
             low: step.times(first),
             high: step.times(first + divisions as f64),
             divisions,
+            logarithmic: false,
         }
     }
 
@@ -77,11 +80,34 @@ impl Axis {
             low: step.times(first),
             high: step.times(last),
             divisions: (last - first) as usize,
+            logarithmic: false,
+        }
+    }
+
+    /// A logarithmic axis of whole decades around two values above 0, at most
+    /// [`Axis::MOST_DIVISIONS`] of them.
+    pub fn decades(label: impl Into<String>, unit: impl Into<String>, low: f64, high: f64) -> Axis {
+        let exponent =
+            |value: f64| if value.is_nan() { 0.0 } else { value.clamp(1.0 / LARGEST, LARGEST).log10() };
+        let first = (exponent(low) + SLACK).floor();
+        let last = (exponent(high) - SLACK).ceil().clamp(first + 1.0, first + Axis::MOST_DIVISIONS as f64);
+        let power = |exponent: f64| Step { mantissa: 1.0, exponent: exponent as i32 }.times(1.0);
+        Axis {
+            label: label.into(),
+            unit: unit.into(),
+            low: power(first),
+            high: power(last),
+            divisions: (last - first) as usize,
+            logarithmic: true,
         }
     }
 
     /// Where a finite value lies: 0 at the low end, 1 at the high end.
     pub(super) fn fraction(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            let decades = |value: f64| value.max(f64::MIN_POSITIVE).log10() - self.low.log10();
+            return decades(value) / decades(self.high);
+        }
         // Halves keep differences of very large values finite.
         (value / 2.0 - self.low / 2.0) / (self.high / 2.0 - self.low / 2.0)
     }
@@ -89,6 +115,9 @@ impl Axis {
     /// The value at a division line, counted from the low end.
     pub(super) fn line(&self, index: usize) -> f64 {
         let part = index as f64 / self.divisions as f64;
+        if self.logarithmic {
+            return self.low * (self.high / self.low).powf(part);
+        }
         self.low * (1.0 - part) + self.high * part
     }
 
@@ -107,6 +136,9 @@ impl Axis {
 
     /// How many divisions above the low end zero is, if that is a whole number.
     fn lines_to_zero(&self) -> Option<f64> {
+        if self.logarithmic {
+            return None;
+        }
         let position = self.fraction(0.0) * self.divisions as f64;
         ((position - position.round()).abs() < SLACK).then_some(position.round())
     }
@@ -115,6 +147,7 @@ impl Axis {
     pub(super) fn is_drawable(&self) -> bool {
         (1..=Axis::MOST_DIVISIONS).contains(&self.divisions)
             && self.low.abs().max(self.high.abs()) <= f64::MAX
+            && (!self.logarithmic || (self.low > 0.0 && self.high > self.low))
             && self.fraction(self.high) == 1.0
             && self.fraction(self.low) == 0.0
     }
@@ -287,6 +320,22 @@ mod tests {
     fn extreme_values_are_survived() {
         let axis = Axis::fit("x", "", [f64::MAX, f64::MIN].into_iter(), 0);
         assert!(axis.is_drawable(), "{axis:?}");
+    }
+
+    #[test]
+    fn decades_are_whole_and_as_long_as_each_other() {
+        let axis = |low, high| Axis::decades("f", "Hz", low, high);
+        let ends = |axis: Axis| (axis.low, axis.high, axis.divisions);
+        assert_eq!(ends(axis(0.1, 1000.0)), (0.1, 1000.0, 4));
+        assert_eq!(ends(axis(3.0, 20.0)), (1.0, 100.0, 2));
+        assert_eq!(ends(axis(5.0, 5.0)), (1.0, 10.0, 1));
+        let four = axis(0.1, 1000.0);
+        assert_eq!([0.1, 1.0, 10.0, 1000.0].map(|value| four.fraction(value)), [0.0, 0.25, 0.5, 1.0]);
+        assert!(four.is_drawable() && four.fraction(-1.0) < -10.0 && four.zero_line().is_none());
+        for (low, high) in [(0.0, 1.0), (f64::NAN, 1.0), (1.0, f64::INFINITY), (-1.0, -2.0)] {
+            assert!(axis(low, high).is_drawable(), "{low} {high}");
+        }
+        assert!(!Axis { low: -1.0, ..four }.is_drawable());
     }
 
     /// A deterministic stream of numbers of widely varying size and sign.

@@ -44,14 +44,32 @@ pub(super) fn border(screen: Area, surface: &mut dyn Surface) -> Result<(), Plot
 }
 
 /// Where the division lines between the edges are, as parts of the screen: the
-/// strong ones, in the centre and at zero, or the others.
-fn inner_lines(axis: &Axis, strong: bool) -> impl Iterator<Item = f64> {
+/// strong ones, in the centre, at zero and at decades, or the others.
+fn inner_lines(axis: &Axis, strong: bool) -> Vec<f64> {
+    if axis.logarithmic {
+        return decade_lines(axis.divisions, strong);
+    }
     let zero = axis.zero_line();
     let centre = centre_line(axis);
     let divisions = axis.divisions;
     (1..divisions)
-        .filter(move |line| (*line == centre || zero == Some(*line)) == strong)
-        .map(move |line| line as f64 / divisions as f64)
+        .filter(|line| (*line == centre || zero == Some(*line)) == strong)
+        .map(|line| line as f64 / divisions as f64)
+        .collect()
+}
+
+/// More decades than this leave no room for lines within them.
+const MOST_DIVIDED: usize = 12;
+
+/// The strong lines at the decades, or the others at 2 to 9 times them.
+fn decade_lines(decades: usize, strong: bool) -> Vec<f64> {
+    let part = |decade: usize, times: usize| (decade as f64 + (times as f64).log10()) / decades as f64;
+    if strong {
+        (1..decades).map(|decade| part(decade, 1)).collect()
+    } else {
+        let divided = if decades <= MOST_DIVIDED { decades } else { 0 };
+        (0..divided).flat_map(|decade| (2..10).map(move |times| part(decade, times))).collect()
+    }
 }
 
 /// The division line in the centre, or next to it.
@@ -59,8 +77,11 @@ fn centre_line(axis: &Axis) -> usize {
     axis.divisions / 2
 }
 
-/// The small marks along both centre lines.
+/// The small marks along both centre lines; on a screen of decades there are none.
 fn marks(picture: &Picture, screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {
+    if picture.horizontal.logarithmic || picture.vertical.logarithmic {
+        return Ok(());
+    }
     let centre = |axis: &Axis| centre_line(axis) as f64 / axis.divisions as f64;
     let x = column(screen, centre(&picture.horizontal));
     let y = row(screen, centre(&picture.vertical));

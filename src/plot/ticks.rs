@@ -40,6 +40,9 @@ pub(super) fn fitting(axis: &Axis, length: f64, room_for: impl Fn(&str) -> f64) 
 
 /// The numbers at every `stride`-th division line, zero among them if it can be.
 pub(super) fn every(axis: &Axis, stride: usize) -> Vec<Tick> {
+    if axis.logarithmic {
+        return decades(axis, stride);
+    }
     let anchor = axis.anchor(stride);
     let lines: Vec<usize> = (0..=axis.divisions).filter(|line| line % stride == anchor).collect();
     let unit = 10f64.powi(exponent(axis));
@@ -56,6 +59,25 @@ pub(super) fn every(axis: &Axis, stride: usize) -> Vec<Tick> {
         .collect()
 }
 
+/// Decades from the first to below the second are written out.
+const DECADES_WRITTEN_OUT: std::ops::Range<i32> = -3..5;
+
+fn decades(axis: &Axis, stride: usize) -> Vec<Tick> {
+    let lines = (0..=axis.divisions).step_by(stride);
+    let tick = |line: usize| {
+        let exponent = axis.line(line).log10().round() as i32;
+        let text = match exponent {
+            0.. if DECADES_WRITTEN_OUT.contains(&exponent) => format!("{:.0}", 10f64.powi(exponent)),
+            _ if DECADES_WRITTEN_OUT.contains(&exponent) => {
+                format!("{:.1$}", 10f64.powi(exponent), exponent.unsigned_abs() as usize)
+            }
+            _ => format!("10{}", raised(exponent)),
+        };
+        Tick { fraction: line as f64 / axis.divisions as f64, text }
+    };
+    lines.map(tick).collect()
+}
+
 /// What stands after the label of an axis in its title: the unit, with the power
 /// of ten by which the numbers are to be taken.
 pub(super) fn unit(axis: &Axis) -> String {
@@ -70,6 +92,9 @@ pub(super) fn unit(axis: &Axis) -> String {
 
 /// The power of ten, a multiple of three, left out of the numbers.
 fn exponent(axis: &Axis) -> i32 {
+    if axis.logarithmic {
+        return 0;
+    }
     let size = axis.low.abs().max(axis.high.abs());
     let detailed = size >= WRITTEN_OUT.end && division(axis, 1.0) < COARSE;
     if WRITTEN_OUT.contains(&size) || size == 0.0 || detailed {
@@ -121,7 +146,7 @@ mod tests {
     use super::*;
 
     fn axis(low: f64, high: f64, divisions: usize) -> Axis {
-        Axis { label: "v_o".to_owned(), unit: "mm/s".to_owned(), low, high, divisions }
+        Axis { label: "v_o".to_owned(), unit: "mm/s".to_owned(), low, high, divisions, logarithmic: false }
     }
 
     fn texts(low: f64, high: f64, divisions: usize, stride: usize) -> String {
@@ -150,6 +175,14 @@ mod tests {
         assert_eq!(unit(&axis(0.0, 4e14, 2)), ", 10¹² mm/s");
         assert_eq!(unit(&axis(-1.0, 1.0, 2)), ", mm/s");
         assert_eq!(texts(1e6, 1e6 + 2.0, 2, 1), "1000000 1000001 1000002");
+    }
+
+    #[test]
+    fn decades_are_numbers_as_long_as_they_are_short() {
+        let axis = Axis::decades("f", "Hz", 1e-5, 1e6);
+        let texts: Vec<String> = every(&axis, 1).into_iter().map(|tick| tick.text).collect();
+        assert_eq!(texts.join(" "), "10⁻⁵ 10⁻⁴ 0.001 0.01 0.1 1 10 100 1000 10000 10⁵ 10⁶");
+        assert_eq!((every(&axis, 5).len(), unit(&axis).as_str()), (3, ", Hz"));
     }
 
     #[test]

@@ -85,6 +85,7 @@ impl Program {
         let renumbered = |register: &mut Register| *register = to(*register);
         self.body.iter_mut().for_each(|op| *op = op.with_operands(&to));
         self.elements.iter_mut().for_each(|outlet| renumbered(&mut outlet.register));
+        self.drives.iter_mut().for_each(renumbered);
         for state in &mut self.states {
             [&mut state.rate, &mut state.demand].into_iter().chain(&mut state.limits).for_each(renumbered);
         }

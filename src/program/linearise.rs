@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::Program;
 use super::evaluate::Scratch;
 use super::number::Dual;
-use super::op::Sources;
+use super::op::{Register, Sources};
 
 /// Where a program is differentiated.
 pub(crate) struct OperatingPoint<'a> {
@@ -36,53 +36,69 @@ pub struct Linearisation {
 
 impl Program {
     /// Differentiates the rates at a point: forward mode over the operations, so exact but for rounding.
-    /// At a kink the side counts on which the operations stand.
+    /// At a kink these are the derivatives towards higher states and parameters.
     pub(crate) fn linearise(&self, at: &OperatingPoint<'_>) -> Linearisation {
-        let by_states = self.jacobian(at, at.states.len(), Direction::State);
-        let by_parameters = self.jacobian(at, at.parameters.len(), Direction::Parameter);
+        let rates: Vec<Register> = self.states.iter().map(|state| state.rate).collect();
         Linearisation {
             states: self.states().into_iter().map(str::to_owned).collect(),
             parameters: self.parameters.iter().map(|slot| slot.name.clone()).collect(),
-            by_states,
-            by_parameters,
+            by_states: self.jacobian(at, &rates, upward((0..at.states.len()).map(Direction::State))),
+            by_parameters: self.jacobian(
+                at,
+                &rates,
+                upward((0..at.parameters.len()).map(Direction::Parameter)),
+            ),
         }
     }
 
-    fn jacobian(
+    /// d(register) / d(direction): a row for every register, a column for every direction.
+    pub(super) fn jacobian(
         &self,
         at: &OperatingPoint<'_>,
-        columns: usize,
-        along: impl Fn(usize) -> Direction,
+        rows: &[Register],
+        columns: impl ExactSizeIterator<Item = (Direction, Sense)>,
     ) -> DMatrix<f64> {
-        let mut matrix = DMatrix::zeros(self.states.len(), columns);
-        for column in 0..columns {
-            let slopes = self.slopes(at, along(column));
-            slopes.into_iter().enumerate().for_each(|(row, slope)| matrix[(row, column)] = slope);
+        let mut matrix = DMatrix::zeros(rows.len(), columns.len());
+        for (column, (direction, sense)) in columns.enumerate() {
+            let registers = self.slopes(at, direction, sense);
+            for (row, register) in rows.iter().enumerate() {
+                matrix[(row, column)] = sense.sign() * registers[register.index()].slope;
+            }
         }
         matrix
     }
 
-    /// d(rate) along one direction, for every state.
-    fn slopes(&self, at: &OperatingPoint<'_>, direction: Direction) -> Vec<f64> {
-        let parameters = seeded(at.parameters, direction.parameter());
-        let states = seeded(at.states, direction.state());
+    /// Every voltage with its slope along one direction.
+    fn slopes(&self, at: &OperatingPoint<'_>, direction: Direction, sense: Sense) -> Vec<Dual> {
+        let seed = sense.sign();
+        let parameters = seeded(at.parameters, direction.parameter(), seed);
+        let states = seeded(at.states, direction.state(), seed);
         let coefficients = self.prepare(&parameters);
-        let delayed = self.delayed(at, &coefficients);
-        let (kept, noise) = (seeded(at.kept, None), seeded(at.noise, None));
+        let mut delayed = self.delayed(at, &coefficients);
+        if let Direction::Delayed(index) = direction {
+            delayed[index].slope = seed;
+        }
+        let (kept, noise) = (seeded(at.kept, None, seed), seeded(at.noise, None, seed));
         let from = Sources {
             parameters: &parameters,
             coefficients: &coefficients,
             states: &states,
             modes: at.modes,
-            time: Dual::new(at.time, 0.0),
+            time: Dual::new(at.time, if matches!(direction, Direction::Time) { seed } else { 0.0 }),
             tables: &self.tables,
             delayed: &delayed,
             kept: &kept,
             noise: &noise,
         };
         let mut registers = vec![Dual::new(0.0, 0.0); self.body.len()];
-        self.evaluate(&from, &mut registers, &mut Scratch::new(self));
-        self.states.iter().map(|state| registers[state.rate.index()].slope).collect()
+        let mut scratch = Scratch::new(self);
+        let rest = direction.output().map_or(0, |output| output.index() + 1);
+        self.evaluate_range(0..rest, &from, &mut registers, &mut scratch);
+        if let Some(output) = direction.output() {
+            registers[output.index()].slope = seed;
+        }
+        self.evaluate_range(rest..self.body.len(), &from, &mut registers, &mut scratch);
+        registers
     }
 
     /// What the delay lines give: a longer delay reads further back in what they hold.
@@ -100,10 +116,42 @@ impl Program {
     }
 }
 
+/// To which side is differentiated.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Sense {
+    Up,
+    Down,
+}
+
+impl Sense {
+    fn sign(self) -> f64 {
+        match self {
+            Sense::Up => 1.0,
+            Sense::Down => -1.0,
+        }
+    }
+
+    pub fn other(self) -> Self {
+        match self {
+            Sense::Up => Sense::Down,
+            Sense::Down => Sense::Up,
+        }
+    }
+}
+
+/// Along what is differentiated.
 #[derive(Clone, Copy)]
-enum Direction {
+pub(super) enum Direction {
+    /// The state of this index.
     State(usize),
+    /// The parameter of this index.
     Parameter(usize),
+    /// What comes out of the delay line of this index.
+    Delayed(usize),
+    /// Time.
+    Time,
+    /// An output that follows from parameters and time alone: a drive's.
+    Output(Register),
 }
 
 impl Direction {
@@ -114,9 +162,20 @@ impl Direction {
     fn parameter(self) -> Option<usize> {
         if let Direction::Parameter(index) = self { Some(index) } else { None }
     }
+
+    fn output(self) -> Option<Register> {
+        if let Direction::Output(register) = self { Some(register) } else { None }
+    }
 }
 
-fn seeded(values: &[f64], seed: Option<usize>) -> Vec<Dual> {
-    let slope = |index| if Some(index) == seed { 1.0 } else { 0.0 };
+/// Directions towards higher values.
+pub(super) fn upward(
+    directions: impl ExactSizeIterator<Item = Direction>,
+) -> impl ExactSizeIterator<Item = (Direction, Sense)> {
+    directions.map(|direction| (direction, Sense::Up))
+}
+
+fn seeded(values: &[f64], which: Option<usize>, seed: f64) -> Vec<Dual> {
+    let slope = |index| if Some(index) == which { seed } else { 0.0 };
     values.iter().enumerate().map(|(index, value)| Dual::new(*value, slope(index))).collect()
 }

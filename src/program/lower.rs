@@ -6,7 +6,7 @@ use super::coefficient::{Order, Relation};
 use super::standing::ScaleSlot;
 use super::{Lamp, Loop, ModeHandle, Op, Outlet, ParameterSlot, Probe, Program, Register, Switch};
 use crate::circuit::{Circuit, Stage};
-use crate::elements::Output;
+use crate::elements::{Family, Output};
 use crate::machines::REFERENCE;
 use crate::patch::{Dimension, Report};
 
@@ -106,6 +106,9 @@ impl<'c> Lowering<'c> {
         if matches!(kind.output, Output::Amplifier | Output::OpenAmplifier) {
             self.program.lamps.push(Lamp { element, demand: register });
             register = self.clip(register);
+        }
+        if kind.family == Family::Drive {
+            self.program.drives.push(register);
         }
         self.outputs[element] = Some(register);
         self.program.order.push(element);

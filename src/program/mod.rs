@@ -20,6 +20,7 @@ mod prologue;
 mod range;
 mod rehearsal;
 mod standing;
+mod state_space;
 mod vocabulary;
 
 use arrange::Parts;
@@ -29,6 +30,7 @@ pub use linearise::Linearisation;
 pub(crate) use linearise::OperatingPoint;
 pub use lower::Lowering;
 pub use op::{Op, Register};
+pub use state_space::{DelayTerm, Hold, Port, StateSpace, StateTerm};
 
 pub(crate) use check::{remedy, tell};
 pub(crate) use coefficient::{Fault, Unfit};
@@ -56,6 +58,8 @@ pub struct Program {
     /// Where the parts of the body begin.
     pub(crate) parts: Parts,
     pub(crate) elements: Vec<Outlet>,
+    /// The outputs of the drives.
+    pub(crate) drives: Vec<Register>,
     pub(crate) states: Vec<State>,
     pub(crate) modes: Vec<Mode>,
     pub(crate) delays: Vec<Delay>,

@@ -2,7 +2,7 @@
 
 use crate::patch::Function;
 
-/// What operations compute with. Comparisons look at the value alone.
+/// What operations compute with. Comparisons look at the value, and at what becomes of it where values are equal.
 pub(crate) trait Number: Copy {
     fn constant(value: f64) -> Self;
     fn add(self, other: Self) -> Self;
@@ -81,7 +81,7 @@ pub(crate) fn segment(points: &[[f64; 2]], x: f64) -> (f64, f64, f64) {
     (y0, (y1 - y0) / (x1 - x0), x0)
 }
 
-/// A number with its derivative along one direction.
+/// A number with its derivative along one direction: at a kink, the one-sided derivative ahead.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Dual {
     pub value: f64,
@@ -91,6 +91,11 @@ pub(crate) struct Dual {
 impl Dual {
     pub fn new(value: f64, slope: f64) -> Self {
         Dual { value, slope }
+    }
+
+    /// Whether it is below another, or will be along the direction: at a kink the slopes are those ahead.
+    fn is_below(self, other: Self) -> bool {
+        self.value < other.value || (self.value == other.value && self.slope < other.slope)
     }
 }
 
@@ -112,16 +117,17 @@ impl Number for Dual {
         Dual::new(value, (self.slope - value * other.slope) / other.value)
     }
     fn lower_of(self, other: Self) -> Self {
-        if other.value < self.value { other } else { self }
+        if other.is_below(self) { other } else { self }
     }
     fn upper_of(self, other: Self) -> Self {
-        if other.value > self.value { other } else { self }
+        if self.is_below(other) { other } else { self }
     }
     fn absolute(self) -> Self {
-        if self.value < 0.0 { Dual::new(-self.value, -self.slope) } else { self }
+        let zero = Dual::constant(0.0);
+        if self.is_below(zero) { zero.subtract(self) } else { self }
     }
     fn select(left: Self, right: Self, then: Self, otherwise: Self) -> Self {
-        if left.value >= right.value { then } else { otherwise }
+        if left.value >= right.value && !left.is_below(right) { then } else { otherwise }
     }
     fn call(function: Function, a: Self, b: Self) -> Self {
         let (by_a, by_b) = function.derivative(a.value, b.value);
@@ -131,7 +137,8 @@ impl Number for Dual {
     }
     fn table(self, points: &[[f64; 2]]) -> Self {
         let (value, slope, origin) = segment(points, self.value);
-        Dual::new(value + slope * (self.value - origin), slope * self.slope)
+        let ahead = if self.slope < 0.0 { segment(points, self.value.next_down()).1 } else { slope };
+        Dual::new(value + slope * (self.value - origin), ahead * self.slope)
     }
 }
 
@@ -158,5 +165,25 @@ mod tests {
         assert_eq!(square, Dual::new(9.0, 6.0));
         assert_eq!(Dual::constant(1.0).divide(square).slope, -6.0 / 81.0);
         assert_eq!(Dual::constant(-2.0).multiply(x).absolute().slope, 2.0);
+    }
+
+    #[test]
+    fn at_a_kink_duals_have_the_slope_ahead() {
+        let zero = Dual::constant(0.0);
+        let corner = [[-1.0, 3.0], [0.0, 0.0], [1.0, 2.0]];
+        for (direction, table) in [(1.0, 2.0), (-1.0, 3.0)] {
+            let x = Dual::new(0.0, direction);
+            let lower = if direction < 0.0 { direction } else { 0.0 };
+            assert_eq!(x.absolute().slope, 1.0);
+            assert_eq!((x.lower_of(zero).slope, zero.lower_of(x).slope), (lower, lower));
+            assert_eq!(
+                (x.upper_of(zero).slope, zero.upper_of(x).slope),
+                (direction - lower, direction - lower)
+            );
+            // A dead zone without width has no kink.
+            assert_eq!(x.upper_of(zero).add(x.lower_of(zero)).slope, direction);
+            assert_eq!(Dual::select(x, zero, x, zero).slope, direction - lower);
+            assert_eq!(Number::table(x, &corner).slope, table);
+        }
     }
 }

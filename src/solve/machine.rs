@@ -1,13 +1,13 @@
 //! The machine: a program with states, modes and a clock, in one of the modes of an analogue computer.
 
 use super::control::Control;
-use super::delay_line::{DelayLine, Output};
+use super::delay_line::DelayLine;
 use super::error::{RunError, TimeSetting};
 use super::grid::Grid;
 use super::noise_source::NoiseSource;
 use super::overload::{self, Lit};
 use super::tableau::{CLASSICAL, DORMAND_PRINCE, Tableau};
-use crate::program::{Linearisation, OperatingPoint, Program, Scratch, Sources};
+use crate::program::{Program, Scratch, Sources};
 use crate::trace::{Overload, Work};
 
 /// What the machine is doing.
@@ -51,7 +51,7 @@ pub struct Machine<'p> {
     delayed: Vec<f64>,
     pub(super) lines: Vec<DelayLine>,
     /// The kept values, which stay the same within a step.
-    kept: Vec<f64>,
+    pub(super) kept: Vec<f64>,
     pub(super) noises: Vec<NoiseSource>,
     /// The numbers that hold now of the noise voltages.
     pub(super) drawn: Vec<f64>,
@@ -315,23 +315,6 @@ impl<'p> Machine<'p> {
     /// Whether any lamp is lit.
     pub fn is_overloaded(&self) -> bool {
         self.lamps.iter().any(Option::is_some)
-    }
-
-    /// The rates' exact derivatives with respect to states and parameters, here and now.
-    pub fn linearise(&self) -> Linearisation {
-        let delayed = self.lines.iter().map(|line| match line.output(self.time) {
-            Output::Initial => None,
-            Output::Arrived(volts, slope) => Some((volts, slope)),
-        });
-        self.program.linearise(&OperatingPoint {
-            parameters: &self.parameters,
-            states: &self.states,
-            modes: &self.modes,
-            time: self.time,
-            delayed: &delayed.collect::<Vec<_>>(),
-            kept: &self.kept,
-            noise: &self.drawn,
-        })
     }
 
     /// The states' rates, in volts per problem second, in the order of [`Program::states`].

@@ -7,6 +7,7 @@ mod error;
 mod events;
 mod grid;
 mod hands;
+mod linear;
 mod machine;
 mod noise_source;
 mod overload;

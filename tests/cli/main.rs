@@ -3,6 +3,7 @@
 mod check;
 mod completions;
 mod draw;
+mod linearise;
 mod macros;
 mod man;
 mod new;

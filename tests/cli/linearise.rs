@@ -1,0 +1,148 @@
+//! `patchcord linearise`.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::{FIG_8_16, code, errors, json, out, patchcord, path};
+
+pub const FIG_8_04: &str = "patches/thesis/fig-8-04.json";
+
+#[test]
+fn the_page_shows_what_the_command_prints() {
+    let page = fs::read_to_string("docs/linearise.md").unwrap();
+    let shown: Vec<&str> =
+        page.split("```text\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    let commands =
+        ["linearise patches/thesis/fig-8-04.json", "linearise patches/lessons/van-der-pol.json --set x0=0"];
+    for command in commands {
+        assert!(page.contains(&format!("    patchcord {command}\n")), "{command}");
+        let printed = out(&patchcord(&command.split(' ').collect::<Vec<_>>()));
+        assert!(shown.iter().any(|block| printed.contains(block)), "{command}\n{printed}");
+    }
+    assert_eq!(shown.len(), commands.len());
+}
+
+#[test]
+fn a_response_is_printed_drawn_and_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let (svg, csv) = (path(&folder, "bode.svg"), path(&folder, "bode.csv"));
+    let arguments = [
+        "linearise",
+        FIG_8_04,
+        "--from",
+        "v_i",
+        "--to",
+        "v_o",
+        "--hz",
+        "10:100",
+        "--plot",
+        &svg,
+        "--csv",
+        &csv,
+    ];
+    let done = patchcord(&arguments);
+    assert_eq!((code(&done), errors(&done).as_str()), (0, ""));
+    assert!(
+        out(&done).contains("v_o from v_i") && out(&done).contains(&format!("wrote {csv}\nwrote {svg}\n"))
+    );
+    let picture = fs::read_to_string(&svg).unwrap();
+    for part in ["Bode plot: v_o from v_i", "frequency, Hz", "phase of v_o against v_i, degrees", "31.57 Hz"]
+    {
+        assert!(picture.contains(part), "{part}");
+    }
+    let table = fs::read_to_string(&csv).unwrap();
+    assert!(table.contains("\nfrequency,ratio,decibels,phase\n10.0,"), "{table}");
+}
+
+#[test]
+fn json_is_one_document() {
+    let told = json(&patchcord(&["linearise", FIG_8_04, "--from", "v_i", "--to", "v_o", "--json"]));
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert_eq!(told["ok"], true);
+    let root = &told["roots"][0];
+    assert!((number(&root["natural_frequency"]) - (17.86e6f64 / 454.0).sqrt()).abs() < 1e-9);
+    assert_eq!((&root["stability"], &root["time_constant"]), (&"stable".into(), &Value::Null));
+    let point = &told["operating_point"];
+    assert_eq!((&point["equilibrium"], &point["kinks"]), (&false.into(), &serde_json::json!([])));
+    assert_eq!(point["states"][0]["name"], "A1");
+    assert_eq!(number(&told["state_matrix"][0][1]), -100.0);
+    assert_eq!(told["response"]["points"][0].as_array().unwrap().len(), 3);
+    let held = json(&patchcord(&["linearise", "patches/thesis/fig-8-16-coulomb.json", "--json"]));
+    assert_eq!(held["operating_point"]["states"][1]["held"], "brake");
+    assert_eq!(held["operating_point"]["moving"], serde_json::json!(["v_i"]));
+}
+
+#[test]
+fn what_does_not_take_part_is_told() {
+    let rest = out(&patchcord(&["linearise", "patches/thesis/fig-8-16-coulomb.json"]));
+    for part in ["all rates are 0, but v_i moves", "A3: held where it is", "A3: the point is on a kink"] {
+        assert!(rest.contains(part), "{part}\n{rest}");
+    }
+    let late = out(&patchcord(&["linearise", "tests/patches/delay-line.json", "--at", "3"]));
+    assert!(
+        late.contains("at t = 3 s") && late.contains("the loop through D2 has characteristic roots"),
+        "{late}"
+    );
+}
+
+#[test]
+fn many_states_are_told_without_their_zeros() {
+    let folder = tempfile::tempdir().unwrap();
+    let patch = path(&folder, "row.json");
+    let lag = |n: usize| {
+        let from = if n == 0 { "+100".to_owned() } else { format!("L{}", n - 1) };
+        (format!("L{n}"), serde_json::json!({"kind": "lag", "in": {"x1": [from]}, "time": 0.5}))
+    };
+    let elements: serde_json::Map<_, _> = (0..50).map(lag).collect();
+    let text = serde_json::json!({"patchcord": 1, "machine": "unlimited", "elements": elements}).to_string();
+    fs::write(&patch, text).unwrap();
+    let told = out(&patchcord(&["linearise", &patch]));
+    assert!(
+        told.contains("L1       L0 -2, L1 -2\n") && told.contains("and 10 more: --json tells all"),
+        "{told}"
+    );
+    assert!(told.contains("  -2     50      2"), "{told}");
+    assert!(told.lines().all(|line| line.chars().count() < 100));
+}
+
+#[test]
+fn what_cannot_be_asked_ends_with_2() {
+    let folder = tempfile::tempdir().unwrap();
+    let copy = path(&folder, "patch.svg");
+    fs::copy(FIG_8_04, &copy).unwrap();
+    for (patch, options, told) in [
+        (FIG_8_04, "--from v_o --to v_i", "v_o is no drive; did you mean \"v_i\"?"),
+        (FIG_8_04, "--from v_i --to nothing", "there is no signal nothing to read; known here: x_error"),
+        (FIG_8_04, "--from v_i", "--to"),
+        (FIG_8_04, "--plot bode.svg", "--from"),
+        (FIG_8_04, "--at -1", "a time from 0 s on is wanted"),
+        (FIG_8_04, "--at soon", "\"soon\" is not a number of seconds"),
+        (FIG_8_04, "--at 1e15", "ask --at for an earlier time"),
+        (FIG_8_04, "--at 1e-9", "ask --at for a later time"),
+        (FIG_8_04, "--from v_i --to v_o --hz 5", "write LOW:HIGH"),
+        (FIG_8_04, "--from v_i --to v_o --hz 5:x", "\"x\" is not a number of Hz"),
+        (FIG_8_04, "--from v_i --to v_o --hz 5:1", "not from 5 to 1 Hz"),
+        (FIG_8_04, "--from v_i --to v_o --hz -5:1", "not from -5 to 1 Hz"),
+        (FIG_8_04, "--from v_i --to v_o --plot bode.gif", ".svg and .png"),
+        (&copy, &format!("--from v_i --to v_o --plot {copy}"), "the patch itself"),
+        ("tests/patches/delay-line.json", "--from sine --to late --hz 1:1e9", "turn the phase"),
+    ] {
+        let refused =
+            patchcord(&[&["linearise", patch], &options.split(' ').collect::<Vec<_>>()[..]].concat());
+        assert_eq!(code(&refused), 2, "{options}: {}", errors(&refused));
+        assert!(errors(&refused).contains(told), "{}", errors(&refused));
+    }
+    assert!(fs::read_to_string(&copy).unwrap().starts_with('{') && !Path::new("bode.svg").exists());
+}
+
+#[test]
+fn a_signal_that_stays_where_it_is_ends_with_1() {
+    let refused = patchcord(&["linearise", FIG_8_04, "--from", "v_i", "--to", "x_i", "--json"]);
+    assert_eq!(code(&refused), 1);
+    assert!(json(&refused)["error"].as_str().unwrap().starts_with("x_i does not follow v_i here"));
+    // Within its dead zone the slideway does not feel the command.
+    let still = patchcord(&["linearise", FIG_8_16, "--from", "v_i", "--to", "v_o"]);
+    assert_eq!(code(&still), 1, "{}", out(&still));
+}

@@ -1,0 +1,43 @@
+//! Linear analysis: roots and responses against closed solutions, runs of the machine, and SciPy.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod delay;
+mod point;
+mod response;
+mod roots;
+
+use std::path::Path;
+
+use patchcord::linear::{Band, Response, Root, Transfer};
+use patchcord::patch::Patch;
+use patchcord::program::{Program, StateSpace};
+use patchcord::solve::Machine;
+
+/// A patch that comes with the program, with parameters changed.
+fn shipped(stem: &str, changes: &[(&str, f64)]) -> Program {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("patches/{stem}.json"));
+    common::program(&Patch::read(&path).unwrap_or_else(|error| panic!("{error}")), changes)
+}
+
+/// The linear model in initial condition.
+fn model(program: &Program) -> StateSpace {
+    // Shorter than any delay and any lag here.
+    Machine::new(program, 1e-5).unwrap_or_else(|error| panic!("{error}")).state_space()
+}
+
+fn roots_of(program: &Program) -> Vec<Root> {
+    patchcord::linear::roots(&model(program)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn response(program: &Program, from: &str, to: &str, band: [f64; 2]) -> Response {
+    let model = model(program);
+    let transfer = Transfer::new(&model, from, to).unwrap_or_else(|error| panic!("{error}"));
+    transfer.over(Band { low: band[0], high: band[1] }).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Whether numbers agree to a share of the wanted one.
+fn near(found: f64, wanted: f64, share: f64) -> bool {
+    (found - wanted).abs() <= share * wanted.abs()
+}

@@ -1,0 +1,188 @@
+//! Frequency responses: closed solutions, the machine's own swing, SciPy.
+
+use std::f64::consts::{PI, TAU};
+use std::fs;
+
+use patchcord::instruments::harmonic;
+use patchcord::linear::{Band, LinearError, Transfer, bode, roots};
+use patchcord::patch::PatchBuilder;
+use patchcord::program::Program;
+use patchcord::solve::{self, RunSettings};
+
+use crate::common::{built, circuit, element, volts};
+use crate::{model, near, response, shipped};
+
+fn lag(time: f64) -> PatchBuilder {
+    let lag = element("lag").cords("x1", ["u"]).set("time", time);
+    volts("lag").drive("u", "volt", element("step").set("height", 1)).element("L", lag)
+}
+
+#[test]
+fn a_lag_at_its_corner_gives_7_07_of_10_volts_45_degrees_late() {
+    for time in [0.0065, 0.5] {
+        let corner = 1.0 / (TAU * time);
+        let found = response(&built(lag(time)), "u", "L", [corner, 1e3 * corner]);
+        let first = found.points[0];
+        assert!(near(10.0 * first.ratio, 50f64.sqrt(), 1e-12), "{first:?}");
+        // It inverts: half a turn ahead, 45 degrees late.
+        assert!(near(first.phase, 0.75 * PI, 1e-12), "{first:?}");
+        assert!(near(first.decibels(), -10.0 * 2f64.log10(), 1e-12), "{first:?}");
+        let last = found.points[found.points.len() - 1];
+        assert!(near(last.ratio, 1e-3, 1e-6) && near(last.phase, PI / 2.0 + 1e-3, 1e-6), "{last:?}");
+        assert_eq!(found.unit, "");
+    }
+}
+
+#[test]
+fn a_driven_oscillator_follows_its_formula() {
+    let (m, k, d) = (1.0, 40.0, 2.0);
+    let found = response(&shipped("lessons/driven-oscillator", &[]), "push", "x", [0.01, 100.0]);
+    assert_eq!(found.unit, "mm per N");
+    for point in &found.points {
+        let omega = TAU * point.frequency;
+        let (real, imaginary): (f64, f64) = (k - m * omega * omega, d * omega);
+        assert!(near(point.ratio, 1e3 / real.hypot(imaginary), 1e-10), "{point:?}");
+        assert!(near(point.phase, -imaginary.atan2(real), 1e-10), "{point:?}");
+    }
+    let steps = found.points.windows(2).map(|pair| (pair[1].phase - pair[0].phase).abs());
+    assert!(steps.fold(0.0, f64::max) < 0.15, "near enough to draw a curve");
+}
+
+/// Amplitude ratio and lead of x on the push, as the machine swings.
+fn measured(frequency: f64, changes: &[(&str, f64)]) -> (f64, f64) {
+    let changes: Vec<_> = [&[("f", frequency), ("F", 0.5)], changes].concat();
+    let patch = patchcord::patch::Patch::read("patches/lessons/driven-oscillator.json".as_ref()).unwrap();
+    let circuit = circuit(&patch, &changes);
+    let program = Program::new(&circuit).unwrap();
+    let settings = RunSettings::of(&circuit).unwrap().lasting(20.0 + 10.0 / frequency);
+    let trace = solve::run(&program, &settings).unwrap();
+    let from = trace.time.partition_point(|time| *time < 20.0 - 1e-9);
+    let read =
+        |name: &str| harmonic(&trace.time[from..], &trace.values(name).unwrap()[from..], frequency).unwrap();
+    let (push, x) = (read("push"), read("x"));
+    (x.amplitude / push.amplitude, x.phase - push.phase)
+}
+
+#[test]
+fn the_machine_swings_as_the_response_says() {
+    for frequency in [0.3, 1.0, 1.5, 4.0] {
+        let changes = [("d", 3.0), ("k", 55.0)];
+        let program = shipped("lessons/driven-oscillator", &changes);
+        let told = response(&program, "push", "x", [frequency, 10.0 * frequency]).points[0];
+        let (ratio, lead) = measured(frequency, &changes);
+        // Steps of 2 ms, and what is left of the start: 1e-7 in the lesson's own test.
+        assert!(near(ratio, told.ratio, 1e-6), "{frequency} Hz: {ratio} {told:?}");
+        let off = (lead - told.phase + PI).rem_euclid(TAU) - PI;
+        assert!(off.abs() < 1e-6, "{frequency} Hz: {lead} {told:?}");
+    }
+}
+
+#[test]
+fn the_linear_slideway_agrees_with_scipy() {
+    let table = fs::read_to_string("tests/reference/fig_8_04_bode.csv").unwrap();
+    let rows: Vec<Vec<f64>> = table
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    assert!(rows.len() > 20);
+    let program = shipped("thesis/fig-8-04", &[]);
+    let model = model(&program);
+    for (column, (from, to)) in
+        [("v_i", "v_o"), ("v_i", "spring_force"), ("x_i", "x_o")].into_iter().enumerate()
+    {
+        let transfer = Transfer::new(&model, from, to).unwrap();
+        let frequencies = rows.iter().map(|row| row[0]);
+        for (row, frequency) in rows.iter().zip(frequencies) {
+            let band = Band { low: frequency, high: 1.01 * frequency };
+            let point = transfer.over(band).unwrap().points[0];
+            let (ratio, phase) = (row[1 + 2 * column], row[2 + 2 * column]);
+            assert!(near(point.ratio, ratio, 1e-9), "{to} {frequency} Hz: {point:?} {ratio}");
+            let off = (point.phase - phase + PI).rem_euclid(TAU) - PI;
+            assert!(off.abs() < 1e-9, "{to} {frequency} Hz: {point:?} {phase}");
+        }
+    }
+}
+
+#[test]
+fn an_undamped_resonance_turns_the_phase_down_by_half_a_turn() {
+    let found = response(&shipped("lessons/driven-oscillator", &[("d", 0.0)]), "push", "x", [0.1, 10.0]);
+    let (first, last) = (found.points[0], found.points[found.points.len() - 1]);
+    assert!(first.phase.abs() < 1e-9 && (last.phase + PI).abs() < 1e-9, "{first:?} {last:?}");
+    let peak = found.points.iter().map(|point| point.ratio).fold(0.0, f64::max);
+    assert!(peak > 1e4 * first.ratio, "{peak}");
+}
+
+#[test]
+fn a_drive_reads_itself_as_it_is() {
+    let found = response(&built(lag(0.1)), "u", "u", [1.0, 10.0]);
+    assert!(found.points.iter().all(|point| (point.ratio, point.phase) == (1.0, 0.0)));
+}
+
+#[test]
+fn what_cannot_be_asked_is_refused() {
+    let program = shipped("thesis/fig-8-04", &[]);
+    let model = model(&program);
+    let refused = |from: &str, to: &str| Transfer::new(&model, from, to).unwrap_err().to_string();
+    assert_eq!(refused("v_j", "v_o"), "v_j is no drive; did you mean \"v_i\"?");
+    assert_eq!(refused("v_o", "v_i"), "v_o is no drive; did you mean \"v_i\"?");
+    assert!(refused("+100", "v_i").starts_with("+100 is no drive; known here: v_i, x_i"));
+    assert_eq!(refused("v_i", "v_p"), "there is no signal v_p to read; did you mean \"v_o\"?");
+    let unmoved = Transfer::new(&model, "v_i", "x_i").unwrap();
+    let band = Band { low: 1.0, high: 10.0 };
+    let unmoved = unmoved.over(band);
+    assert!(matches!(unmoved, Err(LinearError::NotMoved { .. })), "{unmoved:?}");
+    let moved = Transfer::new(&model, "v_i", "v_o").unwrap();
+    for (low, high) in
+        [(0.0, 1.0), (-1.0, 1.0), (2.0, 2.0), (2.0, 1.0), (1.0, f64::INFINITY), (f64::NAN, 1.0)]
+    {
+        assert!(matches!(moved.over(Band { low, high }), Err(LinearError::NotABand { .. })), "{low} {high}");
+    }
+}
+
+#[test]
+fn the_band_lies_around_the_roots() {
+    let program = shipped("thesis/fig-8-04", &[]);
+    let model = model(&program);
+    // 31.57 Hz
+    let band = Band::around(&roots(&model).unwrap(), &model);
+    assert_eq!(band, Band { low: 1.0, high: 1000.0 });
+    let program = built(volts("none").drive("u", "volt", element("step").set("height", 1)));
+    assert_eq!(Band::around(&[], &crate::model(&program)), Band { low: 0.01, high: 100.0 });
+}
+
+#[test]
+fn a_plot_shows_decibels_degrees_and_where_it_rings() {
+    let program = shipped("lessons/driven-oscillator", &[]);
+    let (model, found) = (model(&program), response(&program, "push", "x", [0.1, 100.0]));
+    let roots = roots(&model).unwrap();
+    let [magnitude, phase] = bode(&found, &roots, Some("note".to_owned()));
+    assert_eq!(magnitude.vertical.unit, "dB (0 dB: 1 mm per N)");
+    assert_eq!((phase.vertical.low, phase.vertical.high, phase.vertical.divisions), (-180.0, 0.0, 4));
+    assert!(magnitude.horizontal.logarithmic && magnitude.horizontal == phase.horizontal);
+    assert!(near(phase.marks[0].at, 40f64.sqrt() / TAU, 1e-12) && phase.marks[0].label == "1.007 Hz");
+    assert!(near(magnitude.channels[0].points[0].1, found.points[0].decibels(), 1e-15));
+    // A level curve is drawn level, whatever rounding does to it.
+    let mut level = found.clone();
+    level.points.iter_mut().enumerate().for_each(|(n, point)| point.ratio = 10.0 + 1e-15 * (n % 3) as f64);
+    let [magnitude, _] = bode(&level, &roots, None);
+    assert_eq!((magnitude.vertical.low, magnitude.vertical.high), (19.0, 21.0));
+    // Whole turns of a delay have divisions of turns.
+    let mut turning = found.clone();
+    turning.points.iter_mut().for_each(|point| point.phase *= 30.0);
+    let [_, phase] = bode(&turning, &roots, None);
+    assert!(phase.vertical.divisions <= 8 && phase.vertical.low <= -5400.0, "{:?}", phase.vertical);
+}
+
+#[test]
+fn a_table_reads_back_to_the_same_numbers() {
+    let found = response(&built(lag(0.1)), "u", "L", [1.0, 2.0]);
+    let mut table = Vec::new();
+    found.write_csv(&mut table).unwrap();
+    let text = String::from_utf8(table).unwrap();
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!((lines[0], lines.len()), ("frequency,ratio,decibels,phase", found.points.len() + 1));
+    let row: Vec<f64> = lines[3].split(',').map(|cell| cell.parse().unwrap()).collect();
+    let point = found.points[2];
+    assert_eq!(row, [point.frequency, point.ratio, point.decibels(), point.phase.to_degrees()]);
+}
