@@ -4,6 +4,7 @@ mod drawn;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::thread;
 
 use patchcord::circuit::Circuit;
 use patchcord::patch::Patch;
@@ -47,15 +48,21 @@ fn shipped_patches_give_neither_errors_nor_warnings() {
 
 #[test]
 fn shipped_patches_run_without_overload() {
-    for patch in every_patch() {
-        let circuit = circuit(&patch);
-        let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
-        let own = RunSettings::of(&circuit).unwrap();
-        let duration = own.duration().min(own.every.max(0.1));
-        let settings = own.lasting(duration);
-        let trace = solve::run(&program, &settings).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(trace.overloads().count(), 0, "{}: {:?}", patch.file(), trace.sweeps);
-    }
+    let patches = every_patch();
+    thread::scope(|scope| {
+        for patch in &patches {
+            scope.spawn(|| runs_without_overload(patch));
+        }
+    });
+}
+
+/// Runs a patch as it stands, from beginning to end.
+fn runs_without_overload(patch: &Patch) {
+    let circuit = circuit(patch);
+    let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
+    let trace = solve::run(&program, &RunSettings::of(&circuit).unwrap());
+    let trace = trace.unwrap_or_else(|error| panic!("{}: {error}", patch.file()));
+    assert_eq!(trace.overloads().count(), 0, "{}: {:?}", patch.file(), trace.sweeps);
 }
 
 /// Less of no schematic is used: emptiness hides how a circuit hangs together.
