@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use common::{built, check_derivatives, check_derivatives_but, element, patch, program, ran, voltage, volts};
 use patchcord::patch::{Code, PatchBuilder};
 use patchcord::program::Program;
-use patchcord::solve::RunError;
+use patchcord::solve::{MachineMode, RunError};
 use serde_json::json;
 
 #[test]
@@ -92,6 +92,22 @@ fn a_weak_push_lights_the_lamp_whatever_the_step() {
     }
 }
 
+/// 101 V sin(w t): at its limit for less than a 20th of the period.
+#[test]
+fn a_stay_at_100_volts_within_one_step_lights_the_lamp() {
+    let frequency = 0.1;
+    let amplitude = -101.0 * TAU * frequency;
+    let cosine = element("sine").set("amplitude", amplitude).set("frequency", frequency);
+    let builder = volts("peak").drive("u", "volt", cosine.set("phase", TAU / 4.0));
+    let program = built(builder.element("A1", element("integrator").cords("x1", ["u"])));
+    for step in [1e-2, 0.47, 0.5] {
+        let overloads = ran(&program, step, 5.0).overloads();
+        assert_eq!(overloads.len(), 1, "{step}");
+        // The drive is a straight line but for (8 degrees)^2 / 12.
+        assert!((overloads[0].peak - 101.0).abs() < 2e-3, "{step} {overloads:?}");
+    }
+}
+
 /// A parameter u (V) into an integrator between diode limits, -20 V - 0.5 V and `top` + 0.5 V.
 fn limited() -> PatchBuilder {
     let limit = json!({"upper": "top", "lower": -20, "drop": 0.5});
@@ -132,6 +148,17 @@ fn it_leaves_a_diode_limit_at_once() {
         machine.operate(1.0).unwrap();
         assert!((voltage(&machine, "A1") - 23.5).abs() < 1e-11, "{step}");
     }
+}
+
+#[test]
+fn hold_keeps_it_at_a_diode_limit_and_it_goes_on_from_there() {
+    let program = driven(-10.0);
+    let mut machine = ran(&program, 1e-2, 5.0);
+    machine.hold();
+    machine.set("u", 7.0).unwrap();
+    assert_eq!((machine.mode(), voltage(&machine, "A1")), (MachineMode::Hold, 30.5));
+    machine.operate(0.5).unwrap();
+    assert!((voltage(&machine, "A1") - 27.0).abs() < 1e-11, "{}", voltage(&machine, "A1"));
 }
 
 /// d out / dt = -40 cos(w t): down to its lower limit and back along the sine, of order 4 whatever the step.

@@ -36,13 +36,16 @@ impl Machine<'_> {
         }
     }
 
-    /// Lights the lamps of integrators that are held at ±100 V while they are driven on. A lag would come back by
-    /// itself the more the farther it had gone.
+    /// Lights the lamps of integrators that were held at ±100 V over the last stretch and driven on, by the mean of its
+    /// two ends: a stay within one step ends where the drive turns. A lag would come back by itself the more the farther
+    /// it had gone.
     pub(super) fn watch_integrators(&mut self) {
         let length = self.time - self.last.time;
         for (index, state) in self.program.states.iter().enumerate() {
-            let outward = self.registers[state.demand.index()] * self.states[index].signum();
-            let held = self.last.states[index].abs() >= REFERENCE && outward > 0.0;
+            let last = self.last.states[index];
+            let [begin, end] = [&self.trial_registers, &self.registers].map(|at| at[state.demand.index()]);
+            let outward = 0.5 * (begin + end) * last.signum();
+            let held = last.abs() >= REFERENCE && outward > 0.0;
             let time = state.lag.map_or(f64::INFINITY, |lag| self.time_of(lag));
             let pushed = &mut self.pushed[index];
             let kept = 1.0 / (1.0 + length / time);
