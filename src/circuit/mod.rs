@@ -217,6 +217,13 @@ impl Circuit {
         &self.signals
     }
 
+    /// The name under which something is recorded: its own, or of an instance's port that of the element that it is.
+    pub fn recordable<'n>(&'n self, name: &'n str) -> Option<&'n str> {
+        let is_signal = |name: &str| self.signals.iter().any(|point| point.name == name);
+        let at_port = || self.patch.ports.get(name).map(|port| port.at.as_str());
+        is_signal(name).then_some(name).or_else(at_port)
+    }
+
     /// Names of what the patch records and of what its pictures show, each once.
     pub fn recorded(&self) -> Vec<String> {
         let asked = self.record.iter().map(|index| self.signals[*index].name.clone());

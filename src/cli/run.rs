@@ -25,7 +25,7 @@ pub(super) struct Arguments {
     #[command(flatten)]
     times: TimeArguments,
     /// Run this many times from initial condition (repetitive operation)
-    #[arg(long, value_name = "TIMES", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "TIMES", allow_negative_numbers = true, value_parser = times)]
     repeat: Option<u32>,
     /// Go into hold as soon as an overload lamp lights
     #[arg(long)]
@@ -35,6 +35,11 @@ pub(super) struct Arguments {
     record: Vec<String>,
     #[command(flatten)]
     files: FileArguments,
+}
+
+fn times(text: &str) -> Result<u32, String> {
+    let times = text.parse().ok().filter(|times| *times > 0);
+    times.ok_or_else(|| format!("a whole number from 1 to {} is wanted", u32::MAX))
 }
 
 fn name(text: &str) -> Result<String, String> {
@@ -136,14 +141,9 @@ impl Arguments {
 
     /// The signals asked for, and those that the pictures show if they are drawn.
     fn recorded(&self, circuit: &Circuit) -> Result<Vec<String>, Failure> {
-        let known: Vec<&str> = circuit.signals().iter().map(|point| point.name.as_str()).collect();
-        for name in &self.record {
-            if !known.contains(&name.as_str()) {
-                let hint = patchcord::patch::suggestion(name, &known).unwrap_or_default();
-                return Err(Failure::usage(format!("there is no signal {name} to record; {hint}")));
-            }
-        }
-        let mut record = self.record.clone();
+        let found =
+            |name: &String| circuit.recordable(name).map(str::to_owned).ok_or_else(|| missing(name, circuit));
+        let mut record = self.record.iter().map(found).collect::<Result<Vec<_>, _>>()?;
         if self.files.draw() {
             record.extend(circuit.pictured());
         }
@@ -151,6 +151,12 @@ impl Arguments {
         record.retain(|name| seen.insert(name.clone()));
         Ok(record)
     }
+}
+
+fn missing(name: &str, circuit: &Circuit) -> Failure {
+    let known: Vec<&str> = circuit.signals().iter().map(|point| point.name.as_str()).collect();
+    let hint = patchcord::patch::suggestion(name, &known).unwrap_or_default();
+    Failure::usage(format!("there is no signal {name} to record; {hint}"))
 }
 
 fn work_told(trace: &Trace) -> String {

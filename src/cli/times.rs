@@ -123,7 +123,9 @@ pub(super) fn advice(error: &RunError) -> Option<String> {
         RunError::TooManySteps { .. } => {
             Some("give a longer --step or a shorter --for, or repeat it less".to_owned())
         }
-        RunError::TooManyNumbers { .. } => Some("give a longer --every or a shorter --for".to_owned()),
+        RunError::TooManyNumbers { .. } => {
+            Some("give a longer --every or a shorter --for, or repeat it less".to_owned())
+        }
         _ => None,
     }
 }

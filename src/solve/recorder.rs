@@ -27,6 +27,8 @@ pub(super) struct Recorder<'a> {
     hold_on_overload: bool,
     /// The switching that ends the present phase.
     pub watch: Option<Watch>,
+    /// Every voltage before the relays of the last instant switched, while there is a watch.
+    unswitched: Vec<f64>,
 }
 
 /// A mode that is waited for.
@@ -71,6 +73,7 @@ impl<'a> Recorder<'a> {
             lit: vec![None; program.elements.len()],
             hold_on_overload: settings.hold_on_overload,
             watch: None,
+            unswitched: vec![0.0; machine.registers.len()],
         })
     }
 
@@ -205,19 +208,28 @@ impl Witness for Recorder<'_> {
             self.next += 1;
         }
         self.see(machine);
+        if self.watch.is_some() {
+            self.unswitched.copy_from_slice(&machine.registers);
+        }
     }
 
-    /// Writes down the instant at its end, as it is after relays have switched.
+    /// Writes down the instant at its end, as it is after relays have switched; where that ends the phase, as it was
+    /// before too.
     fn arrival(&mut self, machine: &Machine<'_>) {
-        self.see(machine);
         let due = self.next_before(self.clock(machine) * (1.0 + SAME));
+        if let Some(watch) = &mut self.watch {
+            watch.look(&machine.modes);
+        }
+        if self.has_met() {
+            let unswitched = std::mem::take(&mut self.unswitched);
+            self.write(due.unwrap_or(self.clock(machine)), |register| unswitched[register]);
+            self.unswitched = unswitched;
+        }
+        self.see(machine);
         self.is_fresh = due.is_some();
         if let Some(time) = due {
             self.write(time, |register| machine.registers[register]);
             self.next += 1;
-        }
-        if let Some(watch) = &mut self.watch {
-            watch.look(&machine.modes);
         }
         self.tell_progress(machine);
     }

@@ -109,8 +109,8 @@ impl RunSettings {
         if self.tolerance.is_none() && steps > MOST_STEPS {
             return Err(RunError::TooManySteps { steps, most: MOST_STEPS });
         }
-        // Every phase may write a sample where it begins.
-        let rows = (extent.recorded / self.every).floor() + extent.phases;
+        // Every phase may write a sample where it begins, and one where it ends.
+        let rows = (extent.recorded / self.every).floor() + 2.0 * extent.phases;
         let marks = (extent.phases + extent.changes) * NUMBERS_OF_A_MARK;
         // Every phase may begin a run, too.
         let courses = extent.phases * self.record.len() as f64 * NUMBERS_OF_A_COURSE;

@@ -34,3 +34,18 @@ fn parameters_reach_into_macros() {
     // PA1 has -25 V before it, at 0.001 s / T1.
     assert_eq!((settings(&[]), settings(&["--set", "T1=100"])), (-1.25, -0.25));
 }
+
+#[test]
+fn a_port_is_recorded_as_the_element_that_it_is() {
+    let ran = json(&patchcord(&[
+        "run",
+        "patches/lessons/heat-rod.json",
+        "--for",
+        "5",
+        "--record",
+        "C1.u,C2",
+        "--json",
+    ]));
+    let names: Vec<_> = ran["readings"].as_array().unwrap().iter().map(|read| &read["signal"]).collect();
+    assert_eq!(names, ["C1.A", "C2.P"]);
+}

@@ -48,8 +48,8 @@ fn a_run_of_phases_is_told_recorded_and_marked() {
         table.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect()).collect();
     assert_eq!(rows[0], ["t", "x", "run", "phase"]);
     let phases: Vec<_> = rows[1..].iter().map(|row| (row[2], row[3])).collect();
-    assert_eq!(phases, [[("1", "2"); 3].as_slice(), &[("1", "3"); 6], &[("2", "6"); 2]].concat());
-    assert!(rows[4..10].iter().all(|row| row[1] == rows[4][1]), "{table}");
+    assert_eq!(phases, [[("1", "2"); 4].as_slice(), &[("1", "3"); 6], &[("2", "6"); 2]].concat());
+    assert!(rows[4..11].iter().all(|row| row[1] == rows[4][1]), "{table}");
     assert!(fs::read_to_string(&svg).unwrap().contains(">\nhold\n</text>"));
 }
 

@@ -12,8 +12,12 @@ fn times_below_0_are_refused_for_what_they_are() {
         let told = errors(&ran);
         assert!(told.contains("a time above 0 s is wanted") && !told.contains("tip:"), "{told}");
     }
-    let told = errors(&patchcord(&["run", FIG_8_16, "--repeat", "-1"]));
-    assert!(told.contains("-1 is not in 1.."), "{told}");
+    for times in ["-1", "0", "1.5"] {
+        let told = errors(&patchcord(&["run", FIG_8_16, "--repeat", times]));
+        assert!(told.contains("a whole number from 1 to 4294967295 is wanted"), "{told}");
+    }
+    let told = errors(&patchcord(&["run", FIG_8_16, "--for", "0.1", "--repeat", "1000000"]));
+    assert!(told.contains("; at most 2e8 are allowed") && told.contains("or repeat it less"), "{told}");
 }
 
 #[test]

@@ -124,6 +124,21 @@ fn a_relay_that_a_jump_switches_ends_its_phase_there() {
 }
 
 #[test]
+fn what_jumps_where_a_phase_ends_is_written_down_before_and_after() {
+    let until = || Phase::operate_until(5.0, "K1", None);
+    // The relay switches from -10 V to 10 V at 0.25 s; both where a sample is due there and where none is.
+    for every in [0.25, 0.1] {
+        let trace = run(&patch("relay-oscillator"), &[until(), hold(0.1)], every, &["K1"]);
+        let (end, begin) = (*samples_of(&trace, 1).last().unwrap(), samples_of(&trace, 2)[0]);
+        assert_eq!((end.1, begin.1), (-10.0, 10.0), "{every}");
+        assert!((end.0 - 0.25).abs() < 1e-12 && (begin.0 - 0.25).abs() < 1e-12, "{end:?} {begin:?}");
+        let alone = run(&patch("relay-oscillator"), &[until()], every, &["K1"]);
+        assert_eq!(alone.tracks[0].volts[alone.len() - 2..], [-10.0, 10.0], "{every}");
+        assert_eq!(alone.tracks[0].courses[0].end, 10.0);
+    }
+}
+
+#[test]
 fn a_relay_that_never_switches_leaves_the_phase_its_time() {
     let trace = run(&decay(), &[Phase::operate_until(0.5, "K1", None), hold(0.1)], 0.1, &["level"]);
     let mark = &trace.marks[1];
