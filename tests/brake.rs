@@ -7,6 +7,7 @@ use common::{
     volts,
 };
 use patchcord::program::Program;
+use patchcord::solve::MachineMode;
 
 const K: f64 = 200.0;
 const FS: f64 = 10.0;
@@ -177,6 +178,20 @@ fn exactly_at_its_level_a_brake_holds_and_just_above_it_lets_go() {
     // A force that overcomes the brake turns it round without a rest: -3 V/s after 20 V / 17 V/s.
     let turned = voltage(&ran(&balanced(20.0, -10.0), 1.0, 3.0), "A1");
     assert!((turned + 3.0 * (3.0 - 20.0 / 17.0)).abs() < 1e-11, "{turned}");
+}
+
+#[test]
+fn hold_keeps_what_sticks_and_it_slips_from_there() {
+    let builder = volts("held").parameter("force", 5.0, "V", [-50.0, 50.0]);
+    let builder = source(builder.drive("f", "volt", element("step").set("height", "-force")), "level", 7.0);
+    let mass = element("integrator").cords("x1", ["f"]).cords("brake_x1", ["level"]);
+    let program = built(builder.element("A1", mass));
+    let mut machine = ran(&program, 1e-2, 1.0);
+    machine.hold();
+    machine.set("force", 20.0).unwrap();
+    assert_eq!((machine.mode(), voltage(&machine, "A1")), (MachineMode::Hold, 0.0));
+    machine.operate(0.5).unwrap();
+    assert!((voltage(&machine, "A1") - 6.5).abs() < 1e-12, "{}", voltage(&machine, "A1"));
 }
 
 #[test]

@@ -84,13 +84,19 @@ fn brake(lowering: &mut Lowering<'_>, direction: ModeHandle, net: Register) -> R
     let level = lowering.sum("brake_x");
     let (zero, out) = (lowering.constant(0.0), lowering.own_output());
     let level = lowering.maximum(level, zero);
-    for sign in [1.0, -1.0] {
+    let sides = [1.0, -1.0].map(|sign| {
         let along = lowering.constant(sign);
-        let (pull, speed) = (lowering.multiply(along, net), lowering.multiply(along, out));
+        (sign, along, lowering.multiply(along, out))
+    });
+    // What moves slips the way it moves, whatever drives it: these come before those of what stands still.
+    for (sign, _, speed) in sides {
+        lowering.transition(direction, Transition::new(STUCK, sign, Guard::passed(speed)));
+    }
+    for (sign, along, speed) in sides {
+        let pull = lowering.multiply(along, net);
         let excess = lowering.subtract(pull, level);
         let (short, back) = (lowering.negate(excess), lowering.negate(speed));
         let stops = lowering.minimum(back, short);
-        lowering.transition(direction, Transition::new(STUCK, sign, Guard::passed(speed)));
         lowering.transition(direction, Transition::new(STUCK, sign, Guard::passed(excess)));
         let stop = Transition::new(sign, STUCK, Guard::reached(stops)).reset(lowering, zero);
         lowering.transition(direction, stop);

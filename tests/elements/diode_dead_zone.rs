@@ -35,6 +35,8 @@ proptest! {
 fn overload() {
     // Both diodes conduct where the biases are exchanged: 75 + 25 and 75 - 25 V.
     has_no_lamp(zone(0.25), &[100.0, -100.0, 100.0], 100.0);
+    // The same with 110 V: 82.5 + 25 V.
+    has_no_lamp(zone(0.25).cord("in", "high"), &[100.0, -100.0, 100.0], 107.5);
 }
 
 #[test]

@@ -28,6 +28,8 @@ proptest! {
 #[test]
 fn overload() {
     stops_at_100_volts(multiplier("sum-of-squares"), &[90.0, 80.0], 145.0);
+    let beyond = element("multiplier").set("mode", "product").cord("a", "high").cord("b", "high");
+    stops_at_100_volts(beyond, &[100.0], 121.0);
 }
 
 #[test]
