@@ -19,7 +19,7 @@ pub fn deed(mark: &Mark) -> String {
     }
 }
 
-pub(super) fn new_value(new: &NewValue) -> String {
+fn new_value(new: &NewValue) -> String {
     format!("{} = {}", new.parameter, Display::new(&new.unit, new.value).text(new.value))
 }
 

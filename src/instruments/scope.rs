@@ -215,7 +215,7 @@ mod tests {
         let against_time = picture(&trace, &spec("t", &["v", "w"]), None).unwrap();
         let told: Vec<_> = against_time.marks.iter().map(|mark| (mark.at, mark.label.as_str())).collect();
         assert_eq!(told, [(0.5, "hold"), (1.0, "k = 2 N/m, operate"), (1.0, "k = 4 N/m, operate")]);
-        let labels = [(2, "k = 1 N/m".to_owned()), (5, "k = 3 N/m".to_owned())];
+        let labels = [(2, "k = 1, then 2 N/m".to_owned()), (5, "k = 3, then 4 N/m".to_owned())];
         assert_eq!(
             (&against_time.channels[0].labels[..], against_time.channels[1].labels.len()),
             (&labels[..], 0)
