@@ -52,6 +52,12 @@ pub fn check_writable(path: &Path) -> Result<()> {
     }
 }
 
+/// What the system says of an error, without its number.
+pub fn refusal(error: &Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error ").next().unwrap_or_default().to_owned()
+}
+
 fn check_folder(target: &Path) -> Result<()> {
     if folder_of(target).is_dir() { Ok(()) } else { Err(Error::new(ErrorKind::NotFound, "no such folder")) }
 }

@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use super::scope::Named;
-use crate::patch::{Code, Diagnostic, Parameter, Patch, Span, suggestion, told};
+use crate::patch::{Code, Diagnostic, Parameter, Patch, Span, behind, suggestion, told};
 
 /// The parameters of a patch, some of them changed, in the units that they are declared in.
 pub(super) fn parameters(
@@ -34,8 +34,7 @@ fn in_range(
     span: Option<Span>,
     findings: &mut Vec<Diagnostic>,
 ) -> bool {
-    let unit = Some(parameter.unit.text()).filter(|unit| *unit != "1").map(|unit| format!(" {unit}"));
-    let unit = unit.unwrap_or_default();
+    let unit = behind(parameter.unit.text());
     if !parameter.unit.to_si(value).is_finite() {
         let message = format!("{name} is set to {value}{unit}, which cannot be reckoned with");
         let hint = Some("every number of a patch must be finite".to_owned());

@@ -135,6 +135,10 @@ impl Scope for Readable<'_> {
         })
     }
 
+    fn declared_unit(&self, name: &str) -> Option<&str> {
+        self.quantities.declared_unit(name)
+    }
+
     fn names(&self) -> Vec<&str> {
         self.quantities.names().into_iter().chain(self.patch.signals.keys().map(String::as_str)).collect()
     }

@@ -313,6 +313,10 @@ impl Scope for Quantities {
         self.find(name).map(|named| named.unit.dimension())
     }
 
+    fn declared_unit(&self, name: &str) -> Option<&str> {
+        self.find(name).map(|named| named.unit.text())
+    }
+
     fn names(&self) -> Vec<&str> {
         let scales = self.scales().map(|(name, _)| name);
         self.parameters.keys().chain(scales).map(String::as_str).chain([TIME_SCALE]).collect()
@@ -364,6 +368,10 @@ impl Scope for Varied<'_> {
 
     fn dimension(&self, name: &str) -> Option<Dimension> {
         self.quantities.dimension(name)
+    }
+
+    fn declared_unit(&self, name: &str) -> Option<&str> {
+        self.quantities.declared_unit(name)
     }
 
     fn names(&self) -> Vec<&str> {

@@ -80,7 +80,8 @@ fn summary(circuit: &Circuit, program: &Program, overloads: &[Overload]) -> Stri
         Some(owned) => format!("{used} of {owned} {}", part.noun()),
         None => part.counted(*used),
     });
-    text += &format!("on the {}: {}\n", machine.name, parts.collect::<Vec<_>>().join(", "));
+    let named = if machine.inventory.is_some() { "" } else { " machine" };
+    text += &format!("on the {}{named}: {}\n", machine.name, parts.collect::<Vec<_>>().join(", "));
     for (name, instances) in instances(circuit) {
         let names: Vec<_> = instances.iter().map(|(name, _)| *name).collect();
         text += &format!("macro {name}: {}\n", names.join(", "));

@@ -12,7 +12,7 @@ use super::failure::Failure;
 use super::load::parameter_line;
 use patchcord::circuit::Circuit;
 use patchcord::instruments;
-use patchcord::output::{check_writable, destination, write_whole};
+use patchcord::output::{check_writable, destination, refusal, write_whole};
 use patchcord::plot::{self, Format, Picture, Size};
 use patchcord::trace::Trace;
 
@@ -143,12 +143,14 @@ fn is_stream(path: &Path) -> bool {
 }
 
 fn place(path: &Path) -> Result<PathBuf, Failure> {
-    destination(path).map_err(|error| Failure::usage(format!("\"{}\" is no file: {error}", path.display())))
+    let no_file = |error| Failure::usage(format!("\"{}\" is no file: {}", path.display(), refusal(&error)));
+    destination(path).map_err(no_file)
 }
 
 /// Makes a folder, and those that it lies in.
 pub(super) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    let unmade = |error| Failure::data(format!("cannot make the folder {}: {error}", folder.display()));
+    let unmade =
+        |error| Failure::data(format!("cannot make the folder {}: {}", folder.display(), refusal(&error)));
     fs::create_dir_all(folder).map_err(unmade)
 }
 
@@ -159,7 +161,7 @@ pub(super) fn put(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 
 /// That a file could not be written.
 pub(super) fn unwritable(path: &Path, error: &io::Error) -> Failure {
-    Failure::data(format!("cannot write {}: {error}", path.display()))
+    Failure::data(format!("cannot write {}: {}", path.display(), refusal(error)))
 }
 
 /// The patch's pictures; where it asks for none, every recorded signal against time.

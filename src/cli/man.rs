@@ -41,7 +41,20 @@ fn find<'a>(patchcord: &'a Command, name: &str) -> Result<&'a Command, Failure> 
 
 fn page(command: &Command) -> Man {
     let source = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
-    Man::new(command.clone()).source(source).manual("patchcord manual")
+    Man::new(command.clone().override_usage(synopsis(command))).source(source).manual("patchcord manual")
+}
+
+/// The command with its options, each with the value that it takes.
+fn synopsis(command: &Command) -> String {
+    let name = command.get_bin_name().unwrap_or_else(|| command.get_name());
+    let (positional, options): (Vec<_>, Vec<_>) =
+        command.get_arguments().partition(|argument| argument.is_positional());
+    let options = options.iter().map(|option| format!("[{option}]"));
+    let positional = positional.iter().map(ToString::to_string);
+    let subcommand = command.has_subcommands().then(|| "<COMMAND>".to_owned());
+    let words: Vec<_> =
+        [name.to_owned()].into_iter().chain(options).chain(positional).chain(subcommand).collect();
+    words.join(" ")
 }
 
 fn text(page: Man) -> Result<String, Failure> {

@@ -29,6 +29,7 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use serde_json::Value;
 
 use failure::Failure;
+use patchcord::output::refusal;
 
 /// A virtual analogue computer: patches in JSON, run in volts, read with the instruments of the period
 ///
@@ -128,7 +129,7 @@ fn write_out(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::data(format!("cannot write to standard output: {error}")))
+            Err(Failure::data(format!("cannot write to standard output: {}", refusal(&error))))
         }
         _ => Ok(()),
     }

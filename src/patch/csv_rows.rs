@@ -5,6 +5,7 @@ use std::io::{BufRead as _, BufReader, ErrorKind};
 use std::path::Path;
 
 use super::diagnostic::suggestion;
+use crate::output::refusal;
 
 /// Bytes of the largest file that is read.
 const LARGEST: u64 = 100_000_000;
@@ -97,7 +98,10 @@ fn unreadable(path: &Path, error: &std::io::Error) -> Fault {
         let hint = "a table's file is looked for from the folder in which the patch lies";
         return Fault::new(format!("there is no file {}", path.display()), hint);
     }
-    Fault::new(format!("cannot read {}: {error}", path.display()), "look at the file's permissions")
+    Fault::new(
+        format!("cannot read {}: {}", path.display(), refusal(error)),
+        "look at the file's permissions",
+    )
 }
 
 struct Reader<'a> {

@@ -231,14 +231,20 @@ pub(crate) fn told(value: f64) -> String {
     }
 }
 
+/// A unit as it stands behind a number: nothing for a pure one.
+pub(crate) fn behind(unit: &str) -> String {
+    if unit.is_empty() || unit == "1" { String::new() } else { format!(" {unit}") }
+}
+
 /// What is wrong with a value that misses its range, in words that follow it.
-pub(crate) fn outside(value: f64, (low, high): (f64, f64)) -> String {
+pub(crate) fn outside(value: f64, (low, high): (f64, f64), unit: &str) -> String {
+    let unit = behind(unit);
     // What is allowed for rounding is not told.
     let plain = |bound: f64| told(if bound.abs() < 1e3 { (bound * 1e9).round() / 1e9 } else { bound });
     match high {
         _ if !value.is_finite() => "and must be a finite number".to_owned(),
-        f64::MAX => format!("below {}", plain(low)),
-        _ => format!("outside {} ... {}", plain(low), plain(high)),
+        f64::MAX => format!("below {}{unit}", plain(low)),
+        _ => format!("outside {} ... {}{unit}", plain(low), plain(high)),
     }
 }
 

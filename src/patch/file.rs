@@ -12,13 +12,13 @@ use super::diagnostic::{Diagnostic, Report, Span};
 use super::document::Patch;
 use super::table_file;
 use super::tree;
-use crate::output::write_whole;
+use crate::output::{refusal, write_whole};
 
 /// Why a patch file could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum PatchError {
     /// The file system refused.
-    #[error("cannot {verb} {file}: {source}")]
+    #[error("cannot {verb} {file}: {}", refusal(source))]
     File {
         /// What was tried.
         verb: &'static str,

@@ -41,6 +41,6 @@ pub use phase::{Change, Phase, Until};
 pub use schema::json_schema;
 pub use units::{Dimension, Unit, UnitError, engineering};
 
-pub(crate) use diagnostic::{any_error, outside, told};
+pub(crate) use diagnostic::{any_error, behind, outside, told};
 pub(crate) use misfit::{in_formula, misfit};
 pub(crate) use names::{TIME_SCALE, outlet_name, quantity_name, same_name};

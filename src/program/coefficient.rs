@@ -77,7 +77,7 @@ impl Fault<'_> {
     /// What is wrong with this value, in words that follow it.
     pub fn told(&self, value: f64) -> String {
         match self {
-            Fault::Range(low, high) => outside(value, (*low, *high)),
+            Fault::Range(low, high) => outside(value, (*low, *high), ""),
             Fault::NotWhole => "and must be a whole number".to_owned(),
             Fault::Order(stands, other, limit) => format!("{stands} {} at {}", other.label, told(*limit)),
         }

@@ -4,7 +4,7 @@
 use super::standing::Standing;
 use super::{Program, Unfit};
 use crate::circuit::Circuit;
-use crate::patch::{Change, Code, Diagnostic, Formula, Phase, Span, told};
+use crate::patch::{Change, Code, Diagnostic, Formula, Phase, Span, behind, told};
 
 /// More changes than this are left to the run.
 const MOST_CHANGES: usize = 10_000;
@@ -104,8 +104,8 @@ impl Rehearsal<'_> {
             return Some(value);
         }
         let name = &slot.name;
-        let [value, low, high] = [value, low, high].map(told);
-        let message = format!("{name} comes to {value} here, outside its range {low} ... {high}");
+        let [value, low, high, unit] = [told(value), told(low), told(high), behind(&slot.unit)];
+        let message = format!("{name} comes to {value}{unit} here, outside its range {low} ... {high}{unit}");
         let hint = "widen the range in the patch if the circuit can take it";
         self.tell(Diagnostic::at(Code::OutsideRange, span, message).hint(hint));
         None

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::patch::{outside, told};
+use crate::patch::{behind, outside, told};
 use crate::trace::Trace;
 
 /// What went wrong with a run.
@@ -92,7 +92,12 @@ pub enum RunError {
     #[error("there is no signal {0} to record")]
     UnknownSignal(String),
     /// A parameter, or what follows from it, outside what is allowed.
-    #[error("{what} comes to {value}, {fault}", value = told(*value), fault = outside(*value, (*low, *high)))]
+    #[error(
+        "{what} comes to {value}{unit}, {fault}",
+        value = told(*value),
+        unit = behind(unit),
+        fault = outside(*value, (*low, *high), unit)
+    )]
     OutsideRange {
         /// The parameter or the setting.
         what: String,
@@ -102,6 +107,8 @@ pub enum RunError {
         low: f64,
         /// Largest value allowed.
         high: f64,
+        /// Text of the unit of a parameter or a voltage; empty where it is not known.
+        unit: String,
     },
     /// A setting that does not stand to another of its element as it must.
     #[error("{what} comes to {value}, {stands} {other} at {limit}", value = told(*value), limit = told(*limit))]

@@ -40,7 +40,13 @@ impl Machine<'_> {
         let Some(state) = state else { return Err(RunError::UnknownElement(integrator.to_owned())) };
         let [low, high] = self.program.states[state].limits.map(|limit| self.registers[limit.index()]);
         if !(low <= volts && volts <= high) {
-            return Err(RunError::OutsideRange { what: integrator.to_owned(), value: volts, low, high });
+            return Err(RunError::OutsideRange {
+                what: integrator.to_owned(),
+                value: volts,
+                low,
+                high,
+                unit: "V".to_owned(),
+            });
         }
         self.or_as_before(|machine| {
             machine.states[state] = volts;
@@ -149,7 +155,8 @@ fn in_si(program: &Program, name: &str, value: f64) -> Result<(usize, f64), RunE
     let slot = &program.parameters[index];
     let (low, high) = slot.range.unwrap_or((f64::MIN, f64::MAX));
     if !(low <= value && value <= high) {
-        return Err(RunError::OutsideRange { what: name.to_owned(), value, low, high });
+        let (what, unit) = (name.to_owned(), slot.unit.clone());
+        return Err(RunError::OutsideRange { what, value, low, high, unit });
     }
     Ok((index, value * slot.per_unit))
 }
@@ -158,7 +165,7 @@ fn in_si(program: &Program, name: &str, value: f64) -> Result<(usize, f64), RunE
 fn refused(unfit: &Unfit<'_>) -> RunError {
     let (what, value) = (unfit.coefficient.label.clone(), unfit.value);
     match unfit.fault {
-        Fault::Range(low, high) => RunError::OutsideRange { what, value, low, high },
+        Fault::Range(low, high) => RunError::OutsideRange { what, value, low, high, unit: String::new() },
         Fault::NotWhole => RunError::NotWhole { what, value },
         Fault::Order(stands, other, limit) => {
             RunError::OutOfOrder { what, value, stands, other: other.label.clone(), limit }

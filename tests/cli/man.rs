@@ -36,6 +36,15 @@ fn the_page_of_patchcord_lists_every_command() {
 }
 
 #[test]
+fn a_synopsis_shows_what_options_take() {
+    let page = plain(&out(&patchcord(&["man", "run"])));
+    let synopsis = page.split(".SH SYNOPSIS\n").nth(1).unwrap().lines().next().unwrap();
+    for part in ["[--for <SECONDS>] ", "[--set <NAME=VALUE>] ", "[--json] ", " <PATCH>"] {
+        assert!(synopsis.contains(part), "{part}: {synopsis}");
+    }
+}
+
+#[test]
 fn the_page_of_a_command_tells_all_its_options() {
     for command in commands() {
         let page = plain(&out(&patchcord(&["man", &command])));

@@ -125,11 +125,10 @@ impl Measurer<'_> {
         (left, a): (&Node, Measure),
         (right, b): (&Node, Measure),
     ) -> FormulaError {
-        let (left, right) = (excerpt(self.text, left), excerpt(self.text, right));
-        let message = format!("{} but {}", in_words(&left, a), in_words(&right, b));
+        let message = format!("{} but {}", self.in_words(left, a), self.in_words(right, b));
         let hint = match (a.is_pure(), b.is_pure()) {
-            (true, false) => Some(format!("multiply {left} by a scale in {}", b.or_none())),
-            (false, true) => Some(format!("multiply {right} by a scale in {}", a.or_none())),
+            (true, false) => Some(self.made_quantity(left, right, b)),
+            (false, true) => Some(self.made_quantity(right, left, a)),
             _ => None,
         };
         FormulaError::new(node.range.clone(), message).with_hint_if(hint)
@@ -138,8 +137,7 @@ impl Measurer<'_> {
     fn power(&self, base: &Node, exponent: &Node) -> Outcome {
         let (of_base, of_exponent) = (self.measure(base)?, self.measure(exponent)?);
         if !of_exponent.is_pure() {
-            let written = excerpt(self.text, exponent);
-            let message = format!("the exponent {}", in_words(&written, of_exponent));
+            let message = format!("the exponent {}", self.in_words(exponent, of_exponent));
             return Err(
                 FormulaError::new(exponent.range.clone(), message).with_hint("an exponent is a pure number")
             );
@@ -159,7 +157,7 @@ impl Measurer<'_> {
         exponent: &Node,
         of_exponent: Measure,
     ) -> Result<f64, FormulaError> {
-        let in_words = in_words(&excerpt(self.text, base), of_base);
+        let in_words = self.in_words(base, of_base);
         let refusal =
             |reason: String| FormulaError::new(exponent.range.clone(), format!("{in_words}, {reason}"));
         if of_exponent != Measure::Free {
@@ -189,18 +187,34 @@ impl Measurer<'_> {
     }
 
     fn impure(&self, callee: Callee, argument: &Node, measure: Measure) -> FormulaError {
-        let in_words = in_words(&excerpt(self.text, argument), measure);
+        let in_words = self.in_words(argument, measure);
         let message = format!("{} takes a pure number, but {in_words}", callee.name());
         FormulaError::new(argument.range.clone(), message)
-            .with_hint(format!("divide it by a scale in {}", measure.or_none()))
+            .with_hint(format!("divide it by a scale in {}", self.unit(argument, measure)))
     }
-}
 
-fn in_words(written: &str, measure: Measure) -> String {
-    if measure.is_pure() {
-        format!("{written} is a pure number")
-    } else {
-        format!("{written} is in {}", measure.or_none())
+    /// What makes a pure number a quantity like another.
+    fn made_quantity(&self, number: &Node, other: &Node, measure: Measure) -> String {
+        let (number, unit) = (excerpt(self.text, number), self.unit(other, measure));
+        format!("declare {number} as a parameter in {unit}, or write its volts times a scale in {unit}")
+    }
+
+    fn in_words(&self, node: &Node, measure: Measure) -> String {
+        let written = excerpt(self.text, node);
+        if measure.is_pure() {
+            format!("{written} is a pure number")
+        } else {
+            format!("{written} is in {}", self.unit(node, measure))
+        }
+    }
+
+    /// The unit of a node: of a name the one that it was declared in.
+    fn unit(&self, node: &Node, measure: Measure) -> String {
+        let declared = match &node.expression {
+            Expression::Name(name) => self.scope.declared_unit(name).map(str::to_owned),
+            _ => None,
+        };
+        declared.unwrap_or_else(|| measure.or_none().to_string())
     }
 }
 

@@ -11,6 +11,11 @@ pub trait Scope {
     /// The dimension of a name; `None` if it is not known.
     fn dimension(&self, name: &str) -> Option<Dimension>;
 
+    /// Text of the unit that a name was declared in; `None` where its dimension is all that is known.
+    fn declared_unit(&self, _name: &str) -> Option<&str> {
+        None
+    }
+
     /// Every name that may be used, for the hint of what an unknown name was meant to be.
     fn names(&self) -> Vec<&str>;
 }

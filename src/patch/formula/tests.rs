@@ -220,7 +220,10 @@ fn refuses_units_that_do_not_fit() {
         assert_eq!(fault(formula(text).dimension(&bench()), text), expected, "{text}");
     }
     let hint = formula("50 + Fs").dimension(&bench()).unwrap_err().hint;
-    assert_eq!(hint.as_deref(), Some("multiply 50 by a scale in N"));
+    assert_eq!(
+        hint.as_deref(),
+        Some("declare 50 as a parameter in N, or write its volts times a scale in N")
+    );
 }
 
 #[test]
