@@ -1,0 +1,124 @@
+//! What a run writes: tables, pictures, folders, and what keeps it from writing.
+
+use std::fs;
+use std::path::Path;
+
+use super::{FIG_8_16, code, errors, out, patchcord, path, spring};
+
+#[test]
+fn a_run_writes_table_and_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let (csv, svg) = (path(&folder, "out.csv"), path(&folder, "out.svg"));
+    let ran = patchcord(&["run", FIG_8_16, "--for", "0.5", "--csv", &csv, "--plot", &svg]);
+    assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""));
+    assert!(out(&ran).contains("no overload") && out(&ran).contains(&format!("wrote {csv}")));
+    let table = fs::read_to_string(&csv).unwrap();
+    let lines: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(lines[0], "t,v_i,x_error,v_o,a_o,spring_force,friction_level,memory");
+    assert_eq!(lines.len(), 502);
+    assert!(lines[501].starts_with("0.5,"));
+    assert!(table.contains("# v_o: m/s\n"));
+    let picture = fs::read_to_string(&svg).unwrap();
+    assert!(picture.starts_with("<?xml") && picture.contains("v_o, mm/s"));
+}
+
+#[test]
+fn a_folder_takes_table_and_picture_under_the_patchs_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let inside = path(&folder, "new/results");
+    assert_eq!(code(&patchcord(&["run", FIG_8_16, "--for", "0.01", "--out", &inside])), 0);
+    for file in ["fig-8-16.csv", "fig-8-16.svg"] {
+        assert!(Path::new(&inside).join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
+fn the_same_run_gives_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = ["a.csv", "b.csv", "a.png", "b.png"].map(|name| path(&folder, name));
+    for (csv, png) in [(&files[0], &files[2]), (&files[1], &files[3])] {
+        assert_eq!(code(&patchcord(&["run", FIG_8_16, "--for", "0.3", "--csv", csv, "--plot", png])), 0);
+    }
+    let bytes = files.each_ref().map(|file| fs::read(file).unwrap());
+    assert!(bytes[0] == bytes[1] && bytes[2] == bytes[3]);
+}
+
+#[test]
+fn files_that_cannot_be_read_or_written_end_with_1() {
+    let wrong: &[&[&str]] = &[
+        &["check", "no-such-file.json"],
+        &["run", FIG_8_16, "--for", "0.001", "--csv", "no/such/folder/out.csv"],
+        &["run", FIG_8_16, "--for", "0.001", "--csv", "patches"],
+    ];
+    for arguments in wrong {
+        let ran = patchcord(arguments);
+        assert_eq!(code(&ran), 1, "{arguments:?}");
+        let told = errors(&ran);
+        assert!(told.starts_with("error: cannot") && !told.contains("os error"), "{told}");
+    }
+}
+
+#[test]
+fn no_file_is_written_twice_or_over_the_patch() {
+    let folder = tempfile::tempdir().unwrap();
+    let [patch, table, out] = ["a.json", "a.csv", "new"].map(|name| path(&folder, name));
+    fs::copy(FIG_8_16, &patch).unwrap();
+    let [picture, twice] = [path(&folder, "a.svg"), path(&folder, "new/a.csv")];
+    let roundabout = path(&folder, "../") + folder.path().file_name().unwrap().to_str().unwrap() + "/a.svg";
+    let wrong: &[(&[&str], &str)] = &[
+        (&["--csv", &patch], "is the patch itself"),
+        (&["--csv", &picture, "--plot", &roundabout], "would be written twice"),
+        (&["--csv", &twice, "--out", &out], "would be written twice"),
+        (&["--csv", ""], "a value is required"),
+    ];
+    for (options, message) in wrong {
+        let ran = patchcord(&[&["run", &patch, "--for", "0.001"], *options].concat());
+        assert_eq!(code(&ran), 2, "{options:?}: {}", errors(&ran));
+        assert!(errors(&ran).contains(message), "{}", errors(&ran));
+    }
+    assert_eq!(fs::read_to_string(&patch).unwrap(), fs::read_to_string(FIG_8_16).unwrap());
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    assert_eq!(code(&patchcord(&["run", &patch, "--for", "0.001", "--csv", &table])), 0);
+}
+
+#[test]
+fn a_folder_is_made_for_right_patches_and_keeps_the_dots_of_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let [patch, wrong, out] = ["a.b.json", "wrong.json", "new"].map(|name| path(&folder, name));
+    fs::copy(FIG_8_16, &patch).unwrap();
+    fs::write(&wrong, "{\"patchcord\": 1, \"elements\": 3}").unwrap();
+    assert_eq!(code(&patchcord(&["run", &wrong, "--out", &out])), 1);
+    assert!(!Path::new(&out).exists());
+    assert_eq!(code(&patchcord(&["run", &patch, "--for", "0.001", "--out", &out])), 0);
+    assert!(Path::new(&out).join("a.b.csv").is_file() && Path::new(&out).join("a.b.svg").is_file());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_table_on_standard_output_stands_before_the_readings() {
+    let (folder, file) = spring();
+    let shown = folder.path().join("shown");
+    let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("patchcord"));
+    let ran = command
+        .args(["run", &file, "--for", "0.002", "--csv", "/dev/stdout"])
+        .stdout(fs::File::create(&shown).unwrap())
+        .status()
+        .unwrap();
+    assert!(ran.success());
+    let shown = fs::read_to_string(shown).unwrap();
+    assert!(shown.starts_with("# t: s\n") && shown.ends_with("wrote /dev/stdout\n"), "{shown}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_read_only_file_is_refused_before_the_run() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let (folder, file) = spring();
+    let kept = path(&folder, "kept.csv");
+    fs::write(&kept, "old").unwrap();
+    fs::set_permissions(&kept, fs::Permissions::from_mode(0o444)).unwrap();
+    let ran = patchcord(&["run", &file, "--csv", &kept]);
+    assert_eq!((code(&ran), out(&ran).as_str()), (1, ""));
+    assert_eq!(errors(&ran), format!("error: cannot write {kept}: it is read-only\n"));
+    assert_eq!(fs::read_to_string(&kept).unwrap(), "old");
+}

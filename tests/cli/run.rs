@@ -1,0 +1,110 @@
+//! What a run tells: readings, overloads, why it stopped or could not begin.
+
+use std::fs;
+
+use super::{FIG_8_16, code, errors, json, out, patchcord, path, spring, spring_with};
+
+#[test]
+fn a_repeated_run_tells_its_runs_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = path(&folder, "out.csv");
+    assert_eq!(code(&patchcord(&["run", FIG_8_16, "--for", "0.002", "--repeat", "2", "--csv", &csv])), 0);
+    let table = fs::read_to_string(&csv).unwrap();
+    let rows: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
+    assert!(rows[0].ends_with(",run"));
+    assert_eq!(rows.len(), 7);
+    let without_run = |row: &str| row.rsplit_once(',').unwrap().0.to_owned();
+    assert_eq!(without_run(rows[3]), without_run(rows[6]));
+    assert!(rows[1].ends_with(",1") && rows[6].ends_with(",2"));
+}
+
+#[test]
+fn an_overload_is_told_with_what_it_caused() {
+    let ran = patchcord(&["run", FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1"]);
+    assert_eq!(code(&ran), 0);
+    let told = out(&ran);
+    let lines: Vec<&str> = told.lines().filter(|line| line.starts_with("overload: ")).collect();
+    assert!(lines.len() > 1 && lines[0].ends_with("(first)"), "{told}");
+    assert!(lines[1].contains("caused by"), "{told}");
+    let held =
+        patchcord(&["run", FIG_8_16, "--set", "x_step=0.127e-3", "--for", "0.1", "--hold-on-overload"]);
+    assert!(out(&held).contains("held at t = "), "{}", out(&held));
+}
+
+#[test]
+fn readings_come_from_every_step_and_end_with_the_run() {
+    let (_folder, file) = spring();
+    let coarse = json(&patchcord(&["run", &file, "--every", "1", "--json"]));
+    let fine = json(&patchcord(&["run", &file, "--json"]));
+    assert_eq!((&coarse["samples"], &fine["samples"]), (&4.into(), &3251.into()));
+    assert_eq!(coarse["readings"], fine["readings"]);
+    let [x, t] = ["value", "t"].map(|key| coarse["readings"][0]["least"][key].as_f64().unwrap());
+    assert!((x + 50.0).abs() < 1e-6 && ((t % 1.0) - 0.5).abs() < 2e-3, "{coarse}");
+    assert!(coarse["readings"][0]["end"].as_f64().unwrap().abs() < 1e-6, "{coarse}");
+}
+
+#[test]
+fn a_run_that_stops_writes_what_it_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = path(&folder, "ball.csv");
+    // A ball that never comes to rest bounces without end.
+    let endless =
+        ["run", "tests/patches/bouncing-ball.json", "--set", "v_rest=0", "--set", "e=0.5", "--csv", &csv];
+    let ran = patchcord(&endless);
+    assert_eq!((code(&ran), out(&ran).as_str()), (1, ""));
+    assert!(errors(&ran).contains("it chatters"), "{}", errors(&ran));
+    let table = fs::read_to_string(&csv).unwrap();
+    let last = table.lines().last().unwrap().split(',').next().unwrap();
+    assert!(last.parse::<f64>().unwrap() > 1.0, "{last}");
+    assert!(errors(&ran).contains(&format!("the files hold the run up to t = {last} s")), "{}", errors(&ran));
+    let told = json(&patchcord(&[&endless[..], &["--json"]].concat()));
+    assert_eq!(
+        (&told["ok"], &told["code"], &told["files"][0]),
+        (&false.into(), &"chatter".into(), &csv.into())
+    );
+    assert_eq!(told["recorded_until"].to_string(), last);
+}
+
+#[test]
+fn a_missing_run_is_told_at_once_and_checks_nevertheless() {
+    let delay = r#""B1": {"kind": "summer", "in": {"x1": ["D1"]}}, "D1": {"kind": "delay", "in": "A2", "delay": 1e-6}"#;
+    let lag = r#""B1": {"kind": "lag", "in": {"x1": ["A2"]}, "time": 1e-6}"#;
+    [delay, lag].into_iter().for_each(missing_run_is_told);
+}
+
+/// The same of a spring whose inverter is made of something that wants a short step.
+fn missing_run_is_told(inverter: &str) {
+    let (_folder, file) = spring_with(r#""B1": {"kind": "summer", "in": {"x1": ["A2"]}}"#, inverter);
+    let text = fs::read_to_string(&file).unwrap();
+    fs::write(&file, text.replace(",\n  \"run\": {\"for\": 3.25, \"step\": 1e-3}", "")).unwrap();
+    let ran = patchcord(&["run", &file]);
+    assert_eq!(code(&ran), 2);
+    assert!(errors(&ran).contains("give --for and --step or --tol"), "{}", errors(&ran));
+    let checked = patchcord(&["check", &file]);
+    assert_eq!((code(&checked), errors(&checked).as_str()), (0, ""));
+    let ran = patchcord(&["run", &file, "--for", "1", "--step", "1e-3"]);
+    assert_eq!(code(&ran), 2);
+    assert!(
+        errors(&ran).contains("give one with --step, or a tolerance with --tol\n  --> "),
+        "{}",
+        errors(&ran)
+    );
+}
+
+#[test]
+fn names_to_record_may_stand_apart() {
+    let (_folder, file) = spring();
+    let ran = json(&patchcord(&["run", &file, "--record", "x, A1", "--json"]));
+    let names: Vec<_> =
+        ran["readings"].as_array().unwrap().iter().map(|reading| &reading["signal"]).collect();
+    assert_eq!(names, ["x", "A1"]);
+    assert_eq!(ran["sweeps"][0]["switchings"], 0);
+}
+
+#[test]
+fn a_ball_at_rest_reads_0() {
+    let ran = patchcord(&["run", "tests/patches/bouncing-ball.json", "--set", "e=0.5"]);
+    let told = out(&ran);
+    let height = told.lines().find(|line| line.starts_with("height")).unwrap();
+    assert_eq!(height.split_whitespace().nth(3), Some("0"), "{told}");
+}
