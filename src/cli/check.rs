@@ -57,6 +57,7 @@ struct Static {
     element: String,
     kind: &'static str,
     volts: f64,
+    position: Option<&'static str>,
 }
 
 fn statics(circuit: &Circuit, program: &Program) -> Result<Statics, Failure> {
@@ -64,7 +65,8 @@ fn statics(circuit: &Circuit, program: &Program) -> Result<Statics, Failure> {
     let mut voltages = Vec::new();
     for element in circuit.elements() {
         let volts = machine.voltage(&element.name)?;
-        voltages.push(Static { element: element.name.clone(), kind: element.kind.name, volts });
+        let position = machine.position(&element.name);
+        voltages.push(Static { element: element.name.clone(), kind: element.kind.name, volts, position });
     }
     Ok(Statics { voltages, overloads: machine.overloads() })
 }
@@ -130,9 +132,11 @@ fn verdict(warnings: usize) -> String {
 }
 
 fn voltage_table(voltages: &[Static]) -> String {
-    let mut table = Table::new(["element", "kind", "volts"]);
+    let heading = if voltages.iter().any(|read| read.position.is_some()) { "position" } else { "" };
+    let mut table = Table::new(["element", "kind", "volts", heading]);
     for read in voltages {
-        table.row([read.element.clone(), read.kind.to_owned(), format!("{:.4}", read.volts + 0.0)]);
+        let position = read.position.unwrap_or_default().to_owned();
+        table.row([read.element.clone(), read.kind.to_owned(), format!("{:.4}", read.volts + 0.0), position]);
     }
     table.text()
 }
@@ -179,7 +183,7 @@ fn document(circuit: &Circuit, program: &Program, statics: &Statics) -> Value {
             .map(|error| json!({"code": error.code(), "error": what_run_needs(&error)})),
         "overloads": statics.overloads.iter().map(overload_json).collect::<Value>(),
         "voltages": statics.voltages.iter().map(|read| json!({
-            "element": read.element, "kind": read.kind, "volts": read.volts,
+            "element": read.element, "kind": read.kind, "volts": read.volts, "position": read.position,
         })).collect::<Value>(),
         "scaling": circuit.scaling().iter().map(row_json).collect::<Value>(),
     })

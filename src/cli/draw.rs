@@ -7,11 +7,11 @@ use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::files::{check_apart, named_like, prepare, put, written};
-use super::instant::{InstantOption, instant, instant_told};
+use super::instant::{InstantOption, instant};
 use super::load::{Loaded, PatchArguments, document, parameter_line};
 use super::{say, say_json};
 use patchcord::plot::{Drawing, Format, Theme, render_drawing};
-use patchcord::schematic::{Board, Schematic};
+use patchcord::schematic::{Board, Schematic, Standing};
 use patchcord::solve::Machine;
 
 #[derive(Args)]
@@ -24,7 +24,7 @@ pub(super) struct Arguments {
     /// Draw into this folder, as SVG under the patch's name
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write the voltages at the outputs: those of the problem check, or after so many problem seconds (not for runs with phases)
+    /// Write the voltages at the outputs: those of the problem check, or after so many seconds of the run
     #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "0", allow_negative_numbers = true, value_parser = instant)]
     values: Option<f64>,
     /// Draw the patch panel of the machine with its cords instead
@@ -39,10 +39,7 @@ pub(super) struct Arguments {
 }
 
 /// The option that chooses when voltages are read.
-const VALUES: InstantOption = InstantOption {
-    name: "--values",
-    without: "--values alone draws the initial condition, and `run --csv` gives voltages",
-};
+const VALUES: InstantOption = InstantOption("--values");
 
 pub(super) fn draw(arguments: &Arguments) -> Result<(), Failure> {
     carry_out(arguments).map_err(|failure| failure.told_as_json(arguments.patch.json))
@@ -94,17 +91,16 @@ impl Arguments {
     }
 
     fn schematic(&self, loaded: &Loaded) -> Result<Schematic, Failure> {
-        let machine = self.values.map(|seconds| VALUES.machine(loaded, seconds)).transpose()?;
-        let told = machine
-            .as_ref()
-            .zip(self.values)
-            .map(|(machine, seconds)| format!("voltages {}", instant_told(machine, seconds)));
+        let read = self.values.map(|seconds| VALUES.machine(loaded, seconds)).transpose()?;
+        let (machine, told) = read.map(|read| (read.machine, format!("voltages {}", read.told))).unzip();
         let notes = [parameter_line(&loaded.circuit), told.unwrap_or_default()];
         let notes: Vec<_> = notes.into_iter().filter(|note| !note.is_empty()).collect();
-        let volts =
-            |name: &str| machine.as_ref().and_then(|machine: &Machine<'_>| machine.voltage(name).ok());
+        let standing = |name: &str| {
+            let machine: &Machine<'_> = machine.as_ref()?;
+            Some(Standing { volts: machine.voltage(name).ok()?, position: machine.position(name) })
+        };
         let schematic = if self.open { Schematic::opened } else { Schematic::new };
-        schematic(&loaded.circuit, &notes.join("; "), &volts).map_err(|error| self.refused(&error))
+        schematic(&loaded.circuit, &notes.join("; "), &standing).map_err(|error| self.refused(&error))
     }
 
     /// What cannot be drawn, and what may help.

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use super::files::{check_apart, prepare, put, written};
-use super::instant::{InstantOption, instant, instant_told};
+use super::instant::{InstantOption, Reached, instant};
 use super::linear_report::{self, Analysis};
 use super::load::{PatchArguments, document, parameter_line};
 use super::{say, say_json};
@@ -49,8 +49,7 @@ fn band(text: &str) -> Result<Band, String> {
 }
 
 /// The option that chooses where is linearised.
-const AT: InstantOption =
-    InstantOption { name: "--at", without: "without --at the initial condition is linearised" };
+const AT: InstantOption = InstantOption("--at");
 
 /// Two pictures one below the other, each of this size.
 const PANEL: Size = Size { width: 900, height: 400 };
@@ -63,9 +62,9 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     let format = arguments.format()?;
     check_apart(&arguments.patch.patch, arguments.files())?;
     let loaded = arguments.patch.load()?;
-    let machine = AT.machine(&loaded, arguments.at)?;
+    let Reached { machine, told } = AT.machine(&loaded, arguments.at)?;
     let model = machine.state_space();
-    let analysis = arguments.analysis(&model, instant_told(&machine, arguments.at))?;
+    let analysis = arguments.analysis(&model, told)?;
     prepare(None, arguments.files())?;
     if let Some(response) = &analysis.response {
         arguments.write(response, &analysis, &loaded.circuit, format)?;

@@ -9,7 +9,9 @@ pub(super) static KIND: Kind = Kind {
     name: "open-amplifier",
     summary: "amplifier without feedback of its own: divides, takes roots, inverts functions by what is patched back to it",
     law: "out = -amplification x (sum of gain x input); with something that rises with out plugged back into it, \
-          out is where the sum is -out / amplification: nearly 0",
+          out is where the sum is -out / amplification: nearly 0. What is fed back has to rise with out: a divisor has \
+          to be above 0. The error at the sum, out / amplification, counts for more where little is fed back: of a quotient it is the \
+          share 100 V / (d x amplification)",
     overload: "stops at ±100 V; the lamp lights when more is asked for, as where there is no such voltage (a divisor \
                of 0, the root of a negative number)",
     source: "operational amplifier with its own feedback resistor pulled out; division: out = -100 V x n / d from \

@@ -1,22 +1,21 @@
 //! From the circuit to symbols and lists.
 
 use super::lists::{List, Row};
-use super::symbol::{Jack, Outlet, Setting, Source, Symbol, Value, digits, share, volts};
+use super::symbol::{Jack, Outlet, Setting, Source, Standing, Symbol, Value, digits, quantity, share, volts};
 use super::view::{Item, View};
 use crate::circuit::{Circuit, Cord, Element};
 use crate::elements::{Default, Jacks, Measure, Setting as SettingRow};
-use crate::instruments::Display;
 use crate::patch::{Amount, Entry, Formula, Instance, InstanceSetting, Unit};
 
 /// The symbols of what stands on a drawing, drives first, in the order of the document.
-pub(super) fn symbols(view: &View<'_>, volts: &dyn Fn(&str) -> Option<f64>) -> Vec<Symbol> {
-    let describer = Describer { view, volts };
+pub(super) fn symbols(view: &View<'_>, standing: &dyn Fn(&str) -> Option<Standing>) -> Vec<Symbol> {
+    let describer = Describer { view, standing };
     view.items.iter().map(|item| describer.symbol(*item)).collect()
 }
 
 struct Describer<'a> {
     view: &'a View<'a>,
-    volts: &'a dyn Fn(&str) -> Option<f64>,
+    standing: &'a dyn Fn(&str) -> Option<Standing>,
 }
 
 impl Describer<'_> {
@@ -41,6 +40,7 @@ impl Describer<'_> {
             settings: settings(circuit, element),
             parts: entry.map(parts).unwrap_or_default(),
             outlets: vec![self.outlet("", &element.name)],
+            position: (self.standing)(&element.name).and_then(|standing| standing.position),
             inside: Vec::new(),
             note: entry.map(|entry| entry.note.clone()).unwrap_or_default(),
         }
@@ -68,13 +68,15 @@ impl Describer<'_> {
             settings: instance_settings(self.view.circuit, name, instance),
             parts: Vec::new(),
             outlets: ports.map(|(port, element)| self.outlet(port, element)).collect(),
+            position: None,
             inside: inside.flat_map(|member| self.signals(member)).collect(),
             note: instance.note.clone(),
         }
     }
 
     fn outlet(&self, port: &str, element: &str) -> Outlet {
-        Outlet { port: port.to_owned(), signals: self.signals(element), volts: (self.volts)(element) }
+        let volts = (self.standing)(element).map(|standing| standing.volts);
+        Outlet { port: port.to_owned(), signals: self.signals(element), volts }
     }
 
     /// The signals that are read at an element.
@@ -94,6 +96,7 @@ fn terminal(port: &str, shape: &'static str, from: Option<Source>) -> Symbol {
         settings: Vec::new(),
         parts: Vec::new(),
         outlets: vec![Outlet::default()],
+        position: None,
         inside: Vec::new(),
         note: String::new(),
     }
@@ -108,7 +111,7 @@ fn instance_settings(circuit: &Circuit, name: &str, instance: &Instance) -> Vec<
             name: key.clone(),
             formula: text.trim().parse::<f64>().is_err().then(|| text.to_owned()),
             value: Value::Number(value),
-            shown: Display::new(made.unit.text(), value).text(value),
+            shown: quantity(made.unit.text(), value),
             // The box writes all settings of its instance: only formulas are listed.
             is_given: false,
         })
@@ -196,8 +199,8 @@ fn shown(row: &SettingRow, value: f64, unit: &str) -> String {
         Measure::Ratio => digits(value),
         Measure::Whole => value.to_string(),
         Measure::Volts => volts(value),
-        Measure::MachineSeconds => Display::new("s", value).text(value),
-        _ => Display::new(unit, value).text(value),
+        Measure::MachineSeconds => quantity("s", value),
+        _ => quantity(unit, value),
     }
 }
 
@@ -291,5 +294,5 @@ fn volt(circuit: &Circuit, scale: usize, factor: f64) -> Option<String> {
 }
 
 fn stands_for(unit: &str, value: f64) -> String {
-    format!("1 V = {}", Display::new(unit, value).text(value).replace('-', "−"))
+    format!("1 V = {}", quantity(unit, value))
 }

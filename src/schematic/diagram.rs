@@ -2,8 +2,9 @@
 
 use super::layout::{Graph, Layout, Net as Wire, Node, Point, Route, layout};
 use super::shapes::{self, Art, CORD};
+use super::sheet::DrawError;
 use super::symbol::{Source, Symbol};
-use crate::plot::{Area, Ink, Label, Stroke};
+use crate::plot::{Area, Drawing, Ink, Label, Stroke};
 
 /// Symbols with their places, and nets with their lines, in pixels from the upper left corner of the sheet.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -51,9 +52,10 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    pub fn new(symbols: Vec<Symbol>) -> Plan {
+    pub fn new(symbols: Vec<Symbol>) -> Result<Plan, DrawError> {
         let graph = graph(&symbols);
-        Plan { layout: layout(&graph), graph, symbols }
+        let layout = layout(&graph, Drawing::LONGEST).map_err(|height| DrawError::TooTall { height })?;
+        Ok(Plan { layout, graph, symbols })
     }
 
     pub fn symbols(&self) -> &[Symbol] {

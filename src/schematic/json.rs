@@ -64,6 +64,7 @@ fn symbol(placed: &PlacedSymbol) -> Value {
         "symbol": symbol.shape,
         "at": place(placed.at),
         "area": [placed.area.left, placed.area.top, placed.area.right, placed.area.bottom],
+        "position": symbol.position,
         "outputs": symbol.outlets.iter().zip(&placed.outputs).map(outlet).collect::<Value>(),
         "inside": symbol.inside,
         "texts": placed.labels().map(|label| json!(label.text)).collect::<Value>(),

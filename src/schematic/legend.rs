@@ -61,6 +61,7 @@ fn example(kind: &'static Kind) -> Symbol {
         settings: kind.settings.iter().filter_map(setting).collect(),
         parts: Vec::new(),
         outlets: vec![Outlet::default()],
+        position: None,
         inside: Vec::new(),
         note: String::new(),
     }

@@ -22,4 +22,4 @@ pub use layout::{Point, Route};
 pub use legend::legend;
 pub use lists::{List, Row};
 pub use sheet::{DrawError, Opened, Schematic};
-pub use symbol::{Jack, Outlet, Setting, Source, Symbol, Value};
+pub use symbol::{Jack, Outlet, Setting, Source, Standing, Symbol, Value};

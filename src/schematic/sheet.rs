@@ -8,6 +8,7 @@ use super::heading::{self, Heading};
 use super::layout::Point;
 use super::lists::{self, List};
 use super::shapes;
+use super::symbol::Standing;
 use super::view::{Show, View};
 use crate::circuit::Circuit;
 use crate::plot::{Drawing, Ink, Stroke};
@@ -50,6 +51,15 @@ pub enum DrawError {
         /// How many there are.
         count: usize,
     },
+    /// More in one layer than a sheet has room for.
+    #[error(
+        "a drawing at least {height:.0} pixels high cannot be drawn: a side has at most {most} pixels",
+        most = Drawing::LONGEST
+    )]
+    TooTall {
+        /// How high it would be at least.
+        height: f64,
+    },
 }
 
 impl DrawError {
@@ -70,19 +80,19 @@ impl Schematic {
     /// The most symbols that are drawn on a sheet.
     pub const MOST: usize = 1000;
 
-    /// The schematic of a circuit: instances of macros as boxes, and below it every macro once, opened. `volts`
-    /// tells the voltages to be written at outputs, `note` is small print.
+    /// The schematic of a circuit: instances of macros as boxes, and below it every macro once, opened. `standing`
+    /// tells the voltages to be written at outputs and the positions of what switches, `note` is small print.
     ///
     /// # Errors
-    /// When more than [`Schematic::MOST`] symbols have to be drawn.
+    /// When more than [`Schematic::MOST`] symbols have to be drawn, or the sheet would be higher than [`Drawing::LONGEST`].
     pub fn new(
         circuit: &Circuit,
         note: &str,
-        volts: &dyn Fn(&str) -> Option<f64>,
+        standing: &dyn Fn(&str) -> Option<Standing>,
     ) -> Result<Schematic, DrawError> {
         let first = used(circuit).into_values().map(|instances| Show::Inside(instances[0]));
         let shows: Vec<Show<'_>> = std::iter::once(Show::Boxes).chain(first).collect();
-        Schematic::of(circuit, &shows, note, volts)
+        Schematic::of(circuit, &shows, note, standing)
     }
 
     /// The schematic of a circuit with every instance opened in its place.
@@ -92,20 +102,21 @@ impl Schematic {
     pub fn opened(
         circuit: &Circuit,
         note: &str,
-        volts: &dyn Fn(&str) -> Option<f64>,
+        standing: &dyn Fn(&str) -> Option<Standing>,
     ) -> Result<Schematic, DrawError> {
-        Schematic::of(circuit, &[Show::Elements], note, volts)
+        Schematic::of(circuit, &[Show::Elements], note, standing)
     }
 
     fn of(
         circuit: &Circuit,
         shows: &[Show<'_>],
         note: &str,
-        volts: &dyn Fn(&str) -> Option<f64>,
+        standing: &dyn Fn(&str) -> Option<Standing>,
     ) -> Result<Schematic, DrawError> {
         let views: Vec<View<'_>> = shows.iter().map(|show| View::new(circuit, *show)).collect();
         DrawError::check(views.iter().map(|view| view.items.len()).sum())?;
-        let plans: Vec<Plan> = views.iter().map(|view| Plan::new(describe::symbols(view, volts))).collect();
+        let plans = views.iter().map(|view| Plan::new(describe::symbols(view, standing)));
+        let plans: Vec<Plan> = plans.collect::<Result<_, _>>()?;
         let named = views.iter().zip(&plans);
         let named =
             named.flat_map(|(view, plan)| plan.symbols().iter().map(|symbol| (&*view.prefix, symbol)));

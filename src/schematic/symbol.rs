@@ -19,6 +19,8 @@ pub struct Symbol {
     pub parts: Vec<String>,
     /// Its outputs, from the top down: one, or the output ports of an instance.
     pub outlets: Vec<Outlet>,
+    /// The position that it has switched to, where voltages are drawn.
+    pub position: Option<&'static str>,
     /// Names of the signals that are read inside it, where nothing comes out.
     pub inside: Vec<String>,
     /// The patch's note on it.
@@ -34,6 +36,15 @@ pub struct Outlet {
     pub signals: Vec<String>,
     /// Voltage at it, where voltages are drawn.
     pub volts: Option<f64>,
+}
+
+/// How an element stands at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standing {
+    /// The voltage at its output.
+    pub volts: f64,
+    /// The position that it has switched to, such as "pulled-in"; nothing where it has none.
+    pub position: Option<&'static str>,
 }
 
 /// A jack of a symbol with a cord in it.
@@ -120,18 +131,24 @@ impl Symbol {
     }
 }
 
-/// A share, as a potentiometer is set: four decimals, more where it is small.
+/// A share, as a potentiometer is set: four decimals, and four digits where it is small.
 pub fn share(value: f64) -> String {
     match value.abs() {
-        small if small > 0.0 && small < 0.01 => digits(value),
+        small if small > 0.0 && small < 1e-4 => digits(value),
+        small if small > 0.0 && small < 0.01 => format!("{:0<6}", digits(value)),
         _ => format!("{value:.4}").replace('-', "−"),
     }
+}
+
+/// A value with its unit, as far as that goes in a prefix that keeps it short.
+pub fn quantity(unit: &str, value: f64) -> String {
+    Display::new(unit, value).text(value).replace('-', "−")
 }
 
 /// A voltage with its unit; what is too small for a voltmeter's scale in thousandths or millionths.
 pub fn volts(value: f64) -> String {
     match value.abs() {
-        small if small > 0.0 && small < 1e-3 => Display::new("V", value).text(value).replace('-', "−"),
+        small if small > 0.0 && small < 1e-3 => quantity("V", value),
         _ => format!("{} V", digits(value)),
     }
 }
@@ -164,8 +181,9 @@ mod tests {
     fn numbers_are_short() {
         let shown = [0.0, 0.25, 1.0, -50.0, 12.345_67, 99.996, 2e5, -0.1, 1234.5].map(digits);
         assert_eq!(shown, ["0", "0.25", "1", "−50", "12.35", "100", "2e5", "−0.1", "1234"]);
-        let shown = [0.0, 0.25, 0.004, 1.0, 0.123_456, 4e-7, 1.234_56e-5].map(share);
-        assert_eq!(shown, ["0.0000", "0.2500", "0.004", "1.0000", "0.1235", "4e−7", "1.235e−5"]);
+        let shown = [0.0, 0.25, 0.004, 0.002_345_6, 1.0, 0.123_456, 4e-7, 1.234_56e-5].map(share);
+        assert_eq!(shown, ["0.0000", "0.2500", "0.0040", "0.002346", "1.0000", "0.1235", "4e−7", "1.235e−5"]);
+        assert_eq!(quantity("m/s", -0.5), "−500 mm/s");
         let shown = [0.0, -50.0, 0.001, 1e-6, -2.5e-4].map(volts);
         assert_eq!(shown, ["0 V", "−50 V", "0.001 V", "1 µV", "−250 µV"]);
     }

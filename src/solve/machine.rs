@@ -302,6 +302,13 @@ impl<'p> Machine<'p> {
         Ok(self.registers[self.program.elements[index].register.index()])
     }
 
+    /// The position that an element stands in, such as "pulled-in"; nothing where it has none, or is not known.
+    pub fn position(&self, element: &str) -> Option<&'static str> {
+        let index = self.program.element(element)?;
+        let switch = self.program.switches.iter().find(|switch| switch.element == index)?;
+        switch.positions.get(self.modes[switch.mode] as usize).copied()
+    }
+
     /// The overloads since the last initial condition, in the order in which the lamps lit.
     pub fn overloads(&self) -> Vec<Overload> {
         overload::history(self.program, &self.lamps)

@@ -2,7 +2,7 @@
 
 use super::error::RunError;
 use super::machine::{Machine, MachineMode, Witness};
-use super::recorder::{Recorder, Watch};
+use super::recorder::{Recorder, SAME, Watch};
 use crate::patch::{Change, FormulaMeasure, Phase, Until};
 use crate::program::{Program, Standing, Switch};
 use crate::trace::{Deed, Ending, NewValue, Trace};
@@ -13,6 +13,8 @@ pub(super) struct Player<'p, 'w> {
     recorder: Recorder<'w>,
     /// Seconds still to be operated, at most.
     left: f64,
+    /// By the recorder's clock, all runs added up, when it is over; with infinity, at the end of its phases.
+    end: f64,
     /// Whether an overload ended the sweep: what takes time is passed over until the next initial condition.
     is_held: bool,
 }
@@ -20,7 +22,12 @@ pub(super) struct Player<'p, 'w> {
 impl<'p, 'w> Player<'p, 'w> {
     /// A player of a run that operates for so many seconds at most.
     pub fn new(machine: Machine<'p>, recorder: Recorder<'w>, left: f64) -> Self {
-        Player { machine, recorder, left, is_held: false }
+        Player { machine, recorder, left, end: f64::INFINITY, is_held: false }
+    }
+
+    /// The same player, who leaves everything as it stands after so many seconds by the recorder's clock.
+    pub fn ending_at(self, end: f64) -> Self {
+        Player { end, ..self }
     }
 
     /// Goes through a whole run; it begins in initial condition whether it says so or not.
@@ -37,9 +44,19 @@ impl<'p, 'w> Player<'p, 'w> {
         self.recorder.trace
     }
 
-    /// The machine as it stands.
-    pub fn into_machine(self) -> Machine<'p> {
-        self.machine
+    /// The machine as it stands, and when by the recorder's clock, all runs added up.
+    pub fn into_machine(self) -> (Machine<'p>, f64) {
+        let clock = self.recorder.recorded(&self.machine);
+        (self.machine, clock)
+    }
+
+    /// Seconds until it is over.
+    fn rest(&self) -> f64 {
+        self.end - self.recorder.recorded(&self.machine)
+    }
+
+    fn is_over(&self) -> bool {
+        self.rest() <= SAME * self.recorder.recorded(&self.machine)
     }
 
     fn all(&mut self, phases: &[Phase]) -> Result<(), RunError> {
@@ -51,13 +68,24 @@ impl<'p, 'w> Player<'p, 'w> {
             self.left -= time;
         }
         match phase {
+            _ if self.is_over() => Ok(()),
             Phase::InitialCondition => self.initial_condition(),
             Phase::Set { changes } => self.set(changes),
-            Phase::Repeat { times, phases } => (0..*times).try_for_each(|_| self.all(phases)),
+            Phase::Repeat { times, phases } => self.repeat(*times, phases),
             Phase::Operate { .. } | Phase::Hold { .. } if self.is_held => Ok(()),
-            Phase::Operate { time, until } => self.operate(*time, until.as_ref()),
-            Phase::Hold { time } => self.hold(*time),
+            Phase::Operate { time, until } => self.operate(time.min(self.rest()), until.as_ref()),
+            Phase::Hold { time } => self.hold(time.min(self.rest())),
         }
+    }
+
+    fn repeat(&mut self, times: u64, phases: &[Phase]) -> Result<(), RunError> {
+        for _ in 0..times {
+            if self.is_over() {
+                break;
+            }
+            self.all(phases)?;
+        }
+        Ok(())
     }
 
     /// Goes through a phase between its marks.

@@ -82,6 +82,11 @@ impl<'a> Recorder<'a> {
         machine.time() + self.held
     }
 
+    /// Seconds recorded so far, all runs added up.
+    pub fn recorded(&self, machine: &Machine<'_>) -> f64 {
+        self.before + if self.running { self.clock(machine) } else { 0.0 }
+    }
+
     /// Begins a sweep if none has begun, and writes down how the machine stands where nothing shows it.
     pub fn show(&mut self, machine: &Machine<'_>) {
         if !self.running {
@@ -148,7 +153,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn tell_progress(&mut self, machine: &Machine<'_>) {
-        let recorded = self.before + self.clock(machine);
+        let recorded = self.recorded(machine);
         (self.progress)(recorded);
     }
 
@@ -244,7 +249,7 @@ impl Witness for Recorder<'_> {
 }
 
 /// Times that differ by less than this share of themselves are the same instant.
-const SAME: f64 = 1e-12;
+pub(super) const SAME: f64 = 1e-12;
 
 fn find(program: &Program, name: &str) -> Result<Probe, RunError> {
     let found = program.signals.iter().find(|probe| probe.name == name).cloned();

@@ -3,7 +3,7 @@
 use super::error::{RunError, Stopped, TimeSetting};
 use super::machine::Machine;
 use super::player::{self, Player};
-use super::recorder::Recorder;
+use super::recorder::{Recorder, SAME};
 use crate::circuit::Circuit;
 use crate::patch::{Extent, Phase, RunPlan};
 use crate::program::Program;
@@ -183,16 +183,19 @@ pub fn run_watched(
     }
 }
 
-/// The machine as a run leaves it, telling progress like [`run_watched`].
+/// The machine within a run, after so many seconds by the recorder's clock, all runs added up; and by this clock
+/// the instant reached, which comes earlier where the phases, or an overload, end the run before. Progress is told
+/// like in [`run_watched`].
 ///
 /// # Errors
 /// When the settings make no run, a signal is not known, or the run had to stop.
 pub fn machine_after<'p>(
     program: &'p Program,
     settings: &RunSettings,
+    seconds: f64,
     progress: &mut dyn FnMut(f64),
-) -> Result<Machine<'p>, RunError> {
-    let mut player = ready(program, settings, progress)?;
+) -> Result<(Machine<'p>, f64), RunError> {
+    let mut player = ready(program, settings, progress)?.ending_at(seconds);
     player.run(&settings.phases)?;
     Ok(player.into_machine())
 }
@@ -222,6 +225,3 @@ fn ready<'p, 'w>(
     let recorder = Recorder::new(program, &machine, settings, progress)?;
     Ok(Player::new(machine, recorder, operated))
 }
-
-/// Times that differ by less than this share of themselves are the same instant.
-const SAME: f64 = 1e-12;

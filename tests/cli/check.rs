@@ -39,6 +39,18 @@ fn the_problem_check_tells_lamps_that_are_lit() {
 }
 
 #[test]
+fn the_problem_check_tells_positions() {
+    let thermostat = "patches/lessons/relay-thermostat.json";
+    let told = out(&patchcord(&["check", thermostat, "--voltages"]));
+    assert!(told.contains("volts  position") && told.contains("pulled-in"), "{told}");
+    let document = json(&patchcord(&["check", thermostat, "--json"]));
+    let relay = document["voltages"].as_array().unwrap().iter().find(|read| read["kind"] == "relay");
+    assert_eq!(relay.unwrap()["position"], "pulled-in");
+    let without = out(&patchcord(&["check", "patches/lessons/lorenz.json", "--voltages"]));
+    assert!(!without.contains("position"), "{without}");
+}
+
+#[test]
 fn a_factor_counts_without_a_scale() {
     let folder = tempfile::tempdir().unwrap();
     let file = overdriven(&folder);

@@ -66,7 +66,7 @@ fn a_later_instant_wants_a_run_that_can_be_made() {
         (FIG_8_16, "1e15", "ask --values for an earlier time"),
         (FIG_8_16, "1e-9", "ask --values for a later time"),
         (&stepless, "0.5", "write {\"step\": SECONDS} there"),
-        (&phased, "0.5", "--values takes no SECONDS"),
+        (&phased, "2.5", "the run ends after 2.000000 s: ask --values for an earlier time"),
     ] {
         let refused = patchcord(&["draw", patch, "--values", seconds, "--json"]);
         assert_eq!(code(&refused), 2, "{seconds} of {patch}");
@@ -79,6 +79,75 @@ fn a_later_instant_wants_a_run_that_can_be_made() {
     }
     for patch in [&stepless, &phased] {
         assert_eq!(code(&patchcord(&["draw", patch, "--values", "--json"])), 0, "{patch}");
+    }
+}
+
+/// The phases of a run are followed: a ramp that is held, set slower, ended by a relay, held, and begun anew.
+#[test]
+fn voltages_are_those_of_the_phase() {
+    let folder = tempfile::tempdir().unwrap();
+    let patch = path(&folder, "fall.json");
+    let fall = serde_json::json!({
+        "patchcord": 1,
+        "parameters": {"share": {"value": 0.5, "unit": "1", "range": [0, 1]}},
+        "elements": {
+            "P": {"kind": "pot", "in": "+100", "setting": "share"},
+            "A": {"kind": "integrator", "in": {"x1": ["P"]}},
+            "K": {"kind": "relay", "in": "A", "on": "+100", "off": "-100", "pull_in": -20, "drop_out": -30}
+        },
+        "run": {"step": 1e-2, "phases": [
+            {"operate": 0.5}, {"hold": 1}, {"set": {"share": 0.1}}, {"operate": 9, "until": "K"}, {"hold": 1},
+            {"repeat": 1000000, "phases": [{"initial_condition": true}, {"operate": 1}]}
+        ]}
+    });
+    fs::write(&patch, fall.to_string()).unwrap();
+    for (seconds, a, position) in [
+        ("0.2", -10.0, "pulled-in"),
+        ("0.5", -25.0, "pulled-in"),
+        ("1.2", -25.0, "pulled-in"),
+        ("1.75", -27.5, "pulled-in"),
+        ("2.5", -30.0, "released"),
+        ("3.5", -5.0, "pulled-in"),
+        ("4.25", -2.5, "pulled-in"),
+    ] {
+        let told = json(&patchcord(&["draw", &patch, "--values", seconds, "--json"]));
+        let symbols = told["schematic"]["symbols"].as_array().unwrap();
+        let found = symbols[1]["outputs"][0]["volts"].as_f64().unwrap();
+        assert!((found - a).abs() < 1e-9, "{found} V after {seconds} s");
+        assert_eq!(symbols[2]["position"], position, "after {seconds} s");
+    }
+}
+
+fn shipped_patches() -> Vec<String> {
+    let folders = ["patches/thesis", "patches/lessons"].map(|folder| fs::read_dir(folder).unwrap());
+    folders.into_iter().flatten().map(|entry| entry.unwrap().path().to_str().unwrap().to_owned()).collect()
+}
+
+/// What stands where on a sheet, without voltages and positions.
+fn places(mut schematic: serde_json::Value) -> serde_json::Value {
+    let symbols = schematic["symbols"].as_array_mut().unwrap().iter_mut();
+    for symbol in symbols {
+        symbol["texts"].take();
+        symbol["position"].take();
+        symbol["outputs"].as_array_mut().unwrap().iter_mut().for_each(|output| drop(output["volts"].take()));
+    }
+    schematic["macros"].take();
+    schematic
+}
+
+/// Sheets of one patch can be laid side by side.
+#[test]
+fn every_shipped_patch_is_drawn_with_voltages_in_the_same_places() {
+    for patch in shipped_patches() {
+        let drawn = |options: &[&str]| {
+            let drawn = patchcord(&[&["draw", &patch, "--json"], options].concat());
+            assert_eq!(code(&drawn), 0, "{patch}: {}", errors(&drawn));
+            json(&drawn)["schematic"].clone()
+        };
+        let (bare, read) = (drawn(&[]), drawn(&["--values", "1"]));
+        let volts = |symbol: &serde_json::Value| symbol["outputs"][0]["volts"].is_number();
+        assert!(read["symbols"].as_array().unwrap().iter().all(volts), "{patch}");
+        assert!(places(bare) == places(read), "{patch} is laid out anew for voltages");
     }
 }
 
@@ -142,4 +211,24 @@ fn what_is_too_large_for_a_sheet_is_told_with_what_to_do() {
         assert!(errors(&refused).contains(told), "{}", errors(&refused));
         assert!(!Path::new(&drawing).exists());
     }
+}
+
+/// Told from the room that the symbols need one below the other, before they are laid out.
+#[test]
+fn what_is_too_high_is_told_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let patch = path(&folder, "high.json");
+    let pot = serde_json::json!({"kind": "pot", "in": "+100", "setting": 0.001});
+    let names: Vec<String> = (0..999).map(|index| format!("P{index}")).collect();
+    let mut elements: serde_json::Map<_, _> = names.iter().map(|name| (name.clone(), pot.clone())).collect();
+    elements.insert("B".to_owned(), serde_json::json!({"kind": "summer", "in": {"x1": names}}));
+    let document = serde_json::json!({"patchcord": 1, "machine": "unlimited", "elements": elements});
+    fs::write(&patch, document.to_string()).unwrap();
+    let refused = patchcord(&["draw", &patch, "--json"]);
+    assert_eq!(code(&refused), 1);
+    let told = out(&refused);
+    assert!(
+        told.contains("a drawing at least") && told.contains("put parts of the patch into macros"),
+        "{told}"
+    );
 }

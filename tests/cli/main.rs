@@ -3,8 +3,8 @@
 mod check;
 mod completions;
 mod draw;
-mod linearise;
 mod files;
+mod linearise;
 mod macros;
 mod man;
 mod new;

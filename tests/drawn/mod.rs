@@ -4,21 +4,24 @@
 
 mod boxes;
 pub mod marks;
+mod ways;
 
 use std::collections::BTreeSet;
 
 use patchcord::circuit::Circuit;
 use patchcord::plot::{Area, Label, Stroke};
-use patchcord::schematic::{Diagram, Net, PlacedSymbol, Point, Schematic, Source, Value};
+use patchcord::schematic::{Diagram, Net, PlacedSymbol, Point, Schematic, Source, Standing, Value};
+
+const STANDING: Standing = Standing { volts: -12.34, position: None };
 
 /// The schematic of a circuit, with a voltage at every output.
 pub fn schematic(circuit: &Circuit) -> Schematic {
-    Schematic::new(circuit, "", &|_| Some(-12.34)).unwrap_or_else(|error| panic!("{error}"))
+    Schematic::new(circuit, "", &|_| Some(STANDING)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The same with macros opened in their places.
 pub fn opened(circuit: &Circuit) -> Schematic {
-    Schematic::opened(circuit, "", &|_| Some(-12.34)).unwrap_or_else(|error| panic!("{error}"))
+    Schematic::opened(circuit, "", &|_| Some(STANDING)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Draws a circuit and looks at everything that must hold; `what` is the name that failures give it.
@@ -93,6 +96,7 @@ fn check_diagram(drawn: &Diagram, what: &str) {
     no_cords_share_a_line(drawn, what);
     no_cord_runs_through_a_symbol_or_a_text(drawn, what);
     marks::check(drawn, what);
+    ways::check(drawn, what);
 }
 
 fn every_element_once(drawn: &Diagram, circuit: &Circuit, what: &str) {

@@ -213,6 +213,13 @@ const TOLD: &[Told] = &[
     ("projectile --set v0=30", "off a flight of # s", |ran| ran.phase(5), 2),
     ("square-root-and-division --set a=1.5e-4 --for 150", "empties the tank in # s", empty, 1),
     ("square-root-and-division --set h0=0.25 --for 110", "half the time, # s", empty, 1),
+    ("square-root-and-division", "the arm stands at # degrees", |ran| ran.start("arm"), 1),
+    (
+        "square-root-and-division --set L=1.25 --set h0=1.2",
+        "and at # degrees where it is short",
+        |ran| ran.start("arm"),
+        1,
+    ),
     ("heat-rod --set a=1.2e-5", "far end is # K warmer after 1500 s", |ran| ran.end("T6"), 1),
     ("heat-rod", "that of copper # K", |ran| ran.end("T6"), 1),
     ("heat-rod --set d=100 --for 6000", "that of copper # K", |ran| ran.end("T6"), 1),

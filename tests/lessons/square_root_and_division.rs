@@ -1,4 +1,6 @@
-//! A tank that empties: a root, a quotient, and Torricelli's law solved in closed form.
+//! A tank that empties: a root, a quotient, an arcsine, and Torricelli's law solved in closed form.
+
+use std::f64::consts::PI;
 
 use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
@@ -32,6 +34,20 @@ fn the_height_is_a_parabola_and_the_jet_and_the_time_left_fall_evenly() {
             // At the present rate the water would last half as long as it does while the jet grows weaker.
             assert!((left / (0.5 * (empty - time)) - 1.0).abs() < allowed, "{left} s left after {time} s");
         }
+    }
+}
+
+/// A millionth of the output at the sum, over the slope of the sine there.
+#[test]
+fn the_arm_of_the_float_stands_at_the_arcsine_of_the_height() {
+    for (length, h0) in [(1.25, 1.2), (1.5, 1.0), (2.0, 0.05)] {
+        let program = program(STEM, &[("L", length), ("h0", h0)]);
+        let machine = ran(&program, step_of(STEM), 0.0);
+        let expected = (h0 / length).asin();
+        let found = voltage(&machine, "A4");
+        let slope = 50.0 * PI * expected.cos() / 100.0;
+        let error = (found - expected.to_degrees() / 0.9).abs();
+        assert!(error < 1.01e-6 * found / slope, "{found} V at {h0} m, {error} V wrong");
     }
 }
 

@@ -81,12 +81,19 @@ pub struct Route {
     pub arrows: Vec<Point>,
 }
 
-/// Lays a graph out.
-pub(crate) fn layout(graph: &Graph) -> Layout {
+/// Lays a graph out, unless it would be higher than `highest`.
+///
+/// # Errors
+/// How high it would be at least, which is known before the work begins.
+pub(crate) fn layout(graph: &Graph, highest: f64) -> Result<Layout, f64> {
     let rank = order::ranks(graph);
     let cells = rows::fold(graph, &rank);
+    let least = rows::least_height(graph, &cells);
+    if least > highest {
+        return Err(least);
+    }
     let mut sheet = wires::Sheet::new(graph, &cells);
     crossings::reduce(graph, &rank, &mut sheet);
     align::align(graph, &mut sheet);
-    tidy::routed(graph, &sheet)
+    Ok(tidy::routed(graph, &sheet))
 }

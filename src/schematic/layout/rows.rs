@@ -1,5 +1,8 @@
 //! Rows: a drawing much wider than high is folded like a line of text.
 
+use std::collections::BTreeMap;
+
+use super::align::APART;
 use super::layers::{Edge, assign, forward_edges};
 use super::{Graph, Node, parts};
 
@@ -49,13 +52,22 @@ pub(super) fn fold(graph: &Graph, rank: &[usize]) -> Vec<Cell> {
     rows.iter().zip(&within).map(|(row, layer)| Cell { row: *row, layer: layer - first[*row] }).collect()
 }
 
+/// No sheet is lower than its fullest layer.
+pub(super) fn least_height(graph: &Graph, cells: &[Cell]) -> f64 {
+    let mut layers: BTreeMap<Cell, f64> = BTreeMap::new();
+    for (node, cell) in graph.nodes.iter().zip(cells) {
+        *layers.entry(*cell).or_insert(-APART) += node.area.height() + APART;
+    }
+    layers.into_values().fold(0.0, f64::max)
+}
+
 fn row_of_layers(graph: &Graph, nodes: &[usize], layers: &[usize], edges: &[Edge]) -> Vec<usize> {
     let count = nodes.iter().map(|node| layers[*node] + 1).max().unwrap_or(0);
     let (mut widths, mut heights) = (vec![0.0_f64; count], vec![0.0; count]);
     for node in nodes {
         let (area, layer) = (&graph.nodes[*node].area, layers[*node]);
         widths[layer] = widths[layer].max(area.width());
-        heights[layer] += area.height() + super::align::APART;
+        heights[layer] += area.height() + APART;
     }
     widths.iter_mut().for_each(|width| *width += CHANNEL);
     let whole: f64 = widths.iter().sum();

@@ -27,6 +27,8 @@ pub(in crate::schematic) struct Art {
     pub marks: Vec<Stroke>,
     pub inputs: Vec<(f64, f64)>,
     pub outputs: Vec<(f64, f64)>,
+    /// Room kept free for what is not drawn.
+    pub kept: Option<Area>,
 }
 
 impl Art {
@@ -148,7 +150,7 @@ impl Art {
 
     /// The room of everything drawn.
     pub fn area(&self) -> Area {
-        hull(self.marks.iter().map(area))
+        hull(self.marks.iter().map(area).chain(self.kept))
     }
 }
 

@@ -10,7 +10,7 @@ mod ports;
 mod switching;
 
 use super::symbol::{Setting, Source, Symbol};
-use crate::plot::{Align, Area, Ink, Label, text_width};
+use crate::plot::{Align, Area, Ink, Label, Stroke};
 
 pub(super) use art::{Art, CORD, NAME, PRINT, SMALL};
 
@@ -127,25 +127,34 @@ fn ground(at: (f64, f64), art: &mut Art) {
     }
 }
 
-/// Names of signals above the cords that leave, voltages below them.
+/// Names of signals above the cords that leave, voltages below them; room is kept for voltages that are not drawn, so
+/// that everything stands where it does with them.
 fn readings(symbol: &Symbol, art: &mut Art) {
+    if symbol.shape.starts_with("port-") {
+        return;
+    }
     for (index, outlet) in symbol.outlets.iter().enumerate() {
         let (x, y) = art.outputs[index];
-        let names = outlet.signals.join(", ");
-        let volts = outlet.volts.map(voltage).unwrap_or_default();
-        let width = text_width(&names, PRINT).max(text_width(&volts, PRINT));
-        if width == 0.0 {
-            continue;
-        }
-        for (text, y, ink) in [(names, y - 4.0, Ink::Signal), (volts, y + 11.0, Ink::Voltage)] {
-            if !text.is_empty() {
-                art.text(&text, (x + READING_GAP, y), PRINT, Align::Start, ink);
-            }
-        }
-        art.outputs[index] = ((x + READING_GAP + width).ceil(), y);
+        let label = |text, down, ink| Label {
+            text,
+            at: (x + READING_GAP, y + down),
+            size: PRINT,
+            align: Align::Start,
+            ink,
+        };
+        let names = label(outlet.signals.join(", "), -4.0, Ink::Signal);
+        let room = label(voltage(WIDEST_VOLTAGE), 11.0, Ink::Voltage);
+        let volts = outlet.volts.map(|volts| Label { text: voltage(volts), ..room.clone() });
+        art.kept = Some(hull(art.kept.into_iter().chain([room.area()])));
+        art.outputs[index] = (names.area().right.max(room.area().right).ceil(), y);
         art.cord(&[(x, y), art.outputs[index]]);
+        let written = [Some(names).filter(|names| !names.text.is_empty()), volts];
+        art.marks.extend(written.into_iter().flatten().map(Stroke::Text));
     }
 }
+
+/// No voltage takes more room.
+const WIDEST_VOLTAGE: f64 = -100.0;
 
 /// A voltage as a voltmeter shows it.
 fn voltage(volts: f64) -> String {

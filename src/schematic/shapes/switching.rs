@@ -12,7 +12,8 @@ pub(super) fn relay(symbol: &Symbol) -> Art {
     // The jacks in the order of the kind: in, on, off, against.
     art.inputs =
         [20.0, -22.0, -2.0, 38.0][..3 + usize::from(is_compared)].iter().map(|y| (-34.0, *y)).collect();
-    contact(&mut art, symbol.flag("closed"));
+    let pulled_in = symbol.position.map_or(symbol.flag("closed"), |position| position == PULLED_IN);
+    contact(&mut art, pulled_in);
     art.line(&[(-34.0, 20.0), (-6.0, 20.0)]);
     art.rectangle((-6.0, 13.0), (14.0, 27.0));
     art.line(&[(-6.0, 27.0), (14.0, 13.0)]);
@@ -34,13 +35,16 @@ pub(super) fn relay(symbol: &Symbol) -> Art {
     art
 }
 
+/// The position in which a relay connects its upper contact.
+const PULLED_IN: &str = "pulled-in";
+
 /// The contact of a relay.
-fn contact(art: &mut Art, closed: bool) {
+fn contact(art: &mut Art, pulled_in: bool) {
     let (on, off, pivot) = ((-8.0, -22.0), (-8.0, -2.0), (20.0, -12.0));
     art.line(&[(-34.0, -22.0), on]);
     art.line(&[(-34.0, -2.0), off]);
     art.line(&[pivot, art.outputs[0]]);
-    art.bold(&[pivot, if closed { on } else { off }]);
+    art.bold(&[pivot, if pulled_in { on } else { off }]);
     [on, off, pivot].into_iter().for_each(|at| art.disc(at, 2.2));
 }
 
