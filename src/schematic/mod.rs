@@ -16,7 +16,7 @@ mod sheet;
 mod symbol;
 mod view;
 
-pub use board::{Board, Cord, Module};
+pub use board::{Board, Cord, Link, Module};
 pub use diagram::{Diagram, Net, PlacedSymbol};
 pub use layout::{Point, Route};
 pub use legend::legend;

@@ -2,6 +2,7 @@
 
 use indexmap::IndexMap;
 
+use super::board::Board;
 use super::describe;
 use super::diagram::{Diagram, Plan};
 use super::heading::{self, Heading};
@@ -48,6 +49,12 @@ pub enum DrawError {
     /// More symbols than a person could find their way in.
     #[error("{count} symbols are too many for one sheet: {most} can be drawn", most = Schematic::MOST)]
     TooMany {
+        /// How many there are.
+        count: usize,
+    },
+    /// More cords than a person could follow on a panel.
+    #[error("{count} cords are too many for one panel: {most} can be drawn", most = Board::MOST_CORDS)]
+    TooManyCords {
         /// How many there are.
         count: usize,
     },

@@ -213,6 +213,16 @@ fn what_is_too_large_for_a_sheet_is_told_with_what_to_do() {
     }
 }
 
+#[test]
+fn more_cords_than_can_be_followed_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let patch = path(&folder, "cords.json");
+    fs::write(&patch, wide_and_tall(1, 149)).unwrap();
+    let refused = patchcord(&["draw", &patch, "--board", "--plot", &path(&folder, "cords.svg")]);
+    let told = "151 cords are too many for one panel: 150 can be drawn; the schematic, without --board, may have room";
+    assert!(code(&refused) == 1 && errors(&refused).contains(told), "{}", errors(&refused));
+}
+
 /// Told from the room that the symbols need one below the other, before they are laid out.
 #[test]
 fn what_is_too_high_is_told_at_once() {
