@@ -4,7 +4,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use common::{built, element, order, patch, program, slideway, voltage, volts};
+use common::{built, element, order, patch, play, program, relay_and_lag, slideway, voltage, volts};
 use patchcord::program::Program;
 use patchcord::solve::{Machine, RunError, RunSettings, run};
 
@@ -43,40 +43,22 @@ fn an_oscillator_is_right_to_the_tolerance() {
 
 #[test]
 fn half_swings_about_a_dead_zone_are_right_to_the_tolerance() {
-    let builder = volts("play")
-        .element("DZ", element("dead-zone").cord("in", "A2").set("lower", -10).set("upper", 10))
-        .element("A1", element("integrator").cords("x4", ["DZ"]).set("initial", 30))
-        .element("S1", element("summer").cords("x1", ["A1"]))
-        .element("A2", element("integrator").cords("x1", ["S1"]));
     // Level flight at 30 V/s over 20 V, then half a period.
     let half = 20.0 / 30.0 + TAU / 4.0;
     let since = LENGTH + 10.0 / 30.0;
     let gone = since % half - 20.0 / 30.0;
     assert!(((since / half) as u32).is_multiple_of(2) && gone > 0.0, "the last instant is a positive swing");
-    assert_within_tolerance(&built(builder), "A2", 10.0 + 15.0 * (2.0 * gone).sin());
+    assert_within_tolerance(&play(), "A2", 10.0 + 15.0 * (2.0 * gone).sin());
 }
 
 #[test]
 fn switchings_of_a_relay_are_right_to_the_tolerance() {
-    let builder = volts("relay and lag")
-        .element("P1", element("pot").cord("in", "+100").set("setting", 0.5))
-        .element("P2", element("pot").cord("in", "-100").set("setting", 0.5))
-        .element(
-            "K1",
-            element("relay")
-                .cord("in", "A1")
-                .cord("on", "P1")
-                .cord("off", "P2")
-                .set("pull_in", 30)
-                .set("drop_out", -30),
-        )
-        .element("A1", element("integrator").cords("x1", ["K1", "A1"]));
     // From 0 to the first threshold, then half periods between them.
     let (half, first) = ((80.0f64 / 20.0).ln(), (50.0f64 / 20.0).ln());
     let halves = ((LENGTH - first) / half).floor();
     let sign = if halves % 2.0 == 0.0 { -1.0 } else { 1.0 };
     let expected = sign * (50.0 - 80.0 * (-(LENGTH - first - halves * half)).exp());
-    assert_within_tolerance(&built(builder), "A1", expected);
+    assert_within_tolerance(&relay_and_lag(), "A1", expected);
 }
 
 #[test]

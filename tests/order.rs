@@ -4,7 +4,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use common::{built, element, order, program, ran, root, slideway, voltage, volts};
+use common::{built, element, order, play, program, ran, relay_and_lag, root, slideway, voltage, volts};
 use patchcord::program::Program;
 use patchcord::solve::Machine;
 
@@ -128,21 +128,8 @@ fn bounces_joined_by_flight_with_drag() {
 /// ln((U + a) / (U - a)).
 #[test]
 fn relay_switching_joined_by_exponentials() {
-    let builder = volts("relay and lag")
-        .element("P1", element("pot").cord("in", "+100").set("setting", 0.5))
-        .element("P2", element("pot").cord("in", "-100").set("setting", 0.5))
-        .element(
-            "K1",
-            element("relay")
-                .cord("in", "A1")
-                .cord("on", "P1")
-                .cord("off", "P2")
-                .set("pull_in", 30)
-                .set("drop_out", -30),
-        )
-        .element("A1", element("integrator").cords("x1", ["K1", "A1"]));
     let (half, first) = ((80.0f64 / 20.0).ln(), (50.0f64 / 20.0).ln());
-    assert_order_4(&built(builder), "A1", |time| {
+    assert_order_4(&relay_and_lag(), "A1", |time| {
         let halves = ((time - first) / half).floor();
         let sign = if halves.rem_euclid(2.0) == 0.0 { -1.0 } else { 1.0 };
         sign * (50.0 - 80.0 * (-(time - first - halves * half)).exp())
@@ -169,13 +156,8 @@ fn half_swings_joined_by_a_brake() {
 /// x'' = -4 dz(x), dz a dead zone of ±10 V: level flight at 30 V/s between half swings of 15 V.
 #[test]
 fn half_swings_joined_by_a_dead_zone() {
-    let builder = volts("play")
-        .element("DZ", element("dead-zone").cord("in", "A2").set("lower", -10).set("upper", 10))
-        .element("A1", element("integrator").cords("x4", ["DZ"]).set("initial", 30))
-        .element("S1", element("summer").cords("x1", ["A1"]))
-        .element("A2", element("integrator").cords("x1", ["S1"]));
     let (flight, swing) = (20.0 / 30.0, TAU / 4.0);
-    assert_order_4(&built(builder), "A2", |time| {
+    assert_order_4(&play(), "A2", |time| {
         let since = time + flight / 2.0;
         let halves = (since / (flight + swing)).floor();
         let sign = if halves.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };

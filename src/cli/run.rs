@@ -10,7 +10,7 @@ use super::overloads::{overload_json, overload_told};
 use super::phases::{phase_told, phases_json, phases_told};
 use super::progress::Progress;
 use super::readings::{readings_json, readings_told};
-use super::times::{TimeArguments, given, place_told, refused, with_advice};
+use super::times::{TimeArguments, given, place_told, refused, times_json, with_advice};
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
 use patchcord::patch::RunPlan;
@@ -189,15 +189,11 @@ fn overloads_told(trace: &Trace) -> String {
 }
 
 fn run_document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files: &Files) -> Value {
+    let mut run = times_json(settings);
+    run["repeat"] = trace.sweeps.len().into();
+    run["hold_on_overload"] = settings.hold_on_overload.into();
     let more = json!({
-        "run": {
-            "for": settings.duration(),
-            "step": settings.step,
-            "tolerance": settings.tolerance,
-            "every": settings.every,
-            "repeat": trace.sweeps.len(),
-            "hold_on_overload": settings.hold_on_overload,
-        },
+        "run": run,
         "samples": trace.len(),
         "readings": readings_json(trace),
         "sweeps": trace.sweeps.iter().map(|sweep| json!({

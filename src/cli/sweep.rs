@@ -11,7 +11,7 @@ use super::failure::{Failure, plural};
 use super::files::{check_apart, prepare, written};
 use super::load::{Loaded, PatchArguments, document};
 use super::progress::SweepProgress;
-use super::times::{TimeArguments, refused};
+use super::times::{TimeArguments, refused, times_json};
 use super::{say, say_json, tell};
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{Measure, measures};
@@ -162,15 +162,9 @@ fn tally_told(tally: Tally) -> String {
 }
 
 fn sweep_document(circuit: &Circuit, sweep: &Sweep, tally: Tally, file: String) -> Value {
-    let settings = sweep.settings();
     let columns = sweep.columns();
     let more = json!({
-        "run": {
-            "for": settings.duration(),
-            "step": settings.step,
-            "tolerance": settings.tolerance,
-            "every": settings.every,
-        },
+        "run": times_json(sweep.settings()),
         "sweep": {
             "vary": sweep.plan().texts(),
             "columns": columns.iter().map(|column| json!({"name": column.name, "unit": column.unit})).collect::<Value>(),

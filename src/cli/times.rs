@@ -1,11 +1,12 @@
 //! The options that tell how long and how finely to run, and what is said of runs that cannot be made.
 
 use clap::Args;
+use serde_json::{Value, json};
 
 use super::failure::Failure;
 use patchcord::circuit::Circuit;
 use patchcord::patch::{Placed, RunPlan, Span};
-use patchcord::solve::{RunError, TimeSetting};
+use patchcord::solve::{RunError, RunSettings, TimeSetting};
 
 #[derive(Args)]
 pub(super) struct TimeArguments {
@@ -39,6 +40,16 @@ fn share(text: &str) -> Result<f64, String> {
     } else {
         Err("a number between 0 and 1 is wanted, say 1e-6".to_owned())
     }
+}
+
+/// How long and how finely a run goes, for `--json`.
+pub(super) fn times_json(settings: &RunSettings) -> Value {
+    json!({
+        "for": settings.duration(),
+        "step": settings.step,
+        "tolerance": settings.tolerance,
+        "every": settings.every,
+    })
 }
 
 /// A value that stands on the command line.

@@ -68,10 +68,12 @@ impl Machine<'_> {
 
     /// Whether the step looked at may be taken; if not, how long to try instead.
     pub(super) fn refused(&mut self, length: f64) -> Result<Option<f64>, RunError> {
+        // Equal steps are all taken, and need no error.
+        let Some(mut control) = self.control else { return Ok(None) };
         let (state, error) = self.worst_error(length);
-        let order = self.method.order;
-        let Some(control) = &mut self.control else { return Ok(None) };
-        if control.allows(length, error, order) {
+        let allows = control.allows(length, error, self.method.order);
+        self.control = Some(control);
+        if allows {
             return Ok(None);
         }
         self.work.rejections += 1;
