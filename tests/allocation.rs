@@ -52,9 +52,12 @@ fn lag_and_generator() -> Program {
     )
 }
 
-/// Allocations of so many steps, after a step to warm up.
-fn allocations(program: &Program, step: f64, steps: usize) -> usize {
+/// Allocations of so many steps, after a step to warm up, with derivatives by so many parameters.
+fn allocations(program: &Program, step: f64, steps: usize, parameters: usize) -> usize {
     let mut machine = ran(program, step, step);
+    let names: Vec<_> = program.parameters().iter().take(parameters).map(|slot| slot.name.as_str()).collect();
+    machine.differentiate(&names).unwrap();
+    machine.operate(step).unwrap();
     let before = ALLOCATIONS.load(Ordering::Relaxed);
     machine.operate(step * steps as f64).unwrap();
     ALLOCATIONS.load(Ordering::Relaxed) - before
@@ -76,11 +79,9 @@ fn steps_allocate_nothing() {
         ("square-root-and-division", program(&lesson("square-root-and-division"), &[]), 1e-3),
     ];
     for (name, program, step) in &cases {
-        let (thousand, two_thousand, many) = (
-            allocations(program, *step, 1000),
-            allocations(program, *step, 2000),
-            allocations(program, *step, 10_000),
-        );
-        assert_eq!((thousand, two_thousand, many), (0, 0, 0), "{name}");
+        for parameters in [0, 2] {
+            let counts = [1000, 2000, 10_000].map(|steps| allocations(program, *step, steps, parameters));
+            assert_eq!(counts, [0, 0, 0], "{name}, derivatives by {parameters}");
+        }
     }
 }

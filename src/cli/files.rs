@@ -164,9 +164,15 @@ pub(super) fn unwritable(path: &Path, error: &io::Error) -> Failure {
     Failure::data(format!("cannot write {}: {}", path.display(), refusal(error)))
 }
 
-/// The patch's pictures; where it asks for none, every recorded signal against time.
+/// The patch's pictures; where it asks for none, every recorded signal against time. Then those of derivatives.
 fn pictures(circuit: &Circuit, trace: &Trace) -> Result<Vec<Picture>, Failure> {
-    let specs = circuit.picture_specs(trace.tracks.iter().map(|track| track.name.as_str()));
-    let drawn = specs.iter().map(|spec| instruments::picture(trace, spec, Some(parameter_line(circuit))));
-    drawn.collect::<Result<_, _>>().map_err(|error| Failure::data(error.to_string()))
+    let signals = trace.tracks.iter().filter(|track| track.derivative.is_none());
+    let specs = circuit.picture_specs(signals.map(|track| track.name.as_str()));
+    let note = parameter_line(circuit);
+    let drawn = specs.iter().map(|spec| instruments::picture(trace, spec, Some(note.clone())));
+    let drawn = drawn.collect::<Result<Vec<_>, _>>().and_then(|mut pictures| {
+        pictures.extend(instruments::sensitivity_pictures(trace, Some(&note))?);
+        Ok(pictures)
+    });
+    drawn.map_err(|error| Failure::data(error.to_string()))
 }

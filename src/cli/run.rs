@@ -9,7 +9,7 @@ use super::load::{Loaded, PatchArguments, document, parameter_line};
 use super::overloads::{overload_json, overload_told};
 use super::phases::{phase_told, phases_json, phases_told};
 use super::progress::Progress;
-use super::readings::{readings_json, readings_told};
+use super::readings::{readings_json, readings_told, sensitivities_json};
 use super::times::{TimeArguments, given, place_told, refused, times_json, with_advice};
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
@@ -33,6 +33,9 @@ pub(super) struct Arguments {
     /// Record these signals, drives or elements instead of those that the patch names
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = name)]
     record: Vec<String>,
+    /// Record the derivatives of all these signals by these parameters too, and tell which matters
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = name)]
+    sensitivity: Vec<String>,
     #[command(flatten)]
     files: FileArguments,
 }
@@ -88,6 +91,7 @@ impl Arguments {
         if !self.record.is_empty() {
             settings.record = self.recorded(circuit)?;
         }
+        settings.sensitivities = self.parameters(circuit)?;
         settings.check().map_err(|error| self.refused(&error, circuit))?;
         Ok(settings)
     }
@@ -113,7 +117,10 @@ impl Arguments {
     fn is_to_blame(&self, error: &RunError) -> bool {
         let own = match error {
             RunError::TooManySteps { .. } => self.repeat.is_some(),
-            RunError::TooManyNumbers { .. } => self.repeat.is_some() || !self.record.is_empty(),
+            RunError::TooManyNumbers { .. } => {
+                self.repeat.is_some() || !self.record.is_empty() || !self.sensitivity.is_empty()
+            }
+            RunError::NoDerivative { .. } => true,
             _ => false,
         };
         own || self.times.is_to_blame(error)
@@ -147,10 +154,27 @@ impl Arguments {
         if self.files.draw() {
             record.extend(circuit.pictured());
         }
-        let mut seen = std::collections::HashSet::new();
-        record.retain(|name| seen.insert(name.clone()));
-        Ok(record)
+        Ok(once(record))
     }
+
+    /// The parameters by which to differentiate.
+    fn parameters(&self, circuit: &Circuit) -> Result<Vec<String>, Failure> {
+        let known: Vec<&str> = circuit.parameters().map(|(name, ..)| name).collect();
+        match self.sensitivity.iter().find(|name| !known.contains(&name.as_str())) {
+            None => Ok(once(self.sensitivity.clone())),
+            Some(name) => {
+                let hint = patchcord::patch::suggestion(name, &known).unwrap_or_default();
+                Err(Failure::usage(format!("there is no parameter {name} to differentiate by; {hint}")))
+            }
+        }
+    }
+}
+
+/// Every name once, in the order of their first appearance.
+fn once(mut names: Vec<String>) -> Vec<String> {
+    let mut seen = std::collections::HashSet::new();
+    names.retain(|name| seen.insert(name.clone()));
+    names
 }
 
 fn missing(name: &str, circuit: &Circuit) -> Failure {
@@ -196,6 +220,7 @@ fn run_document(circuit: &Circuit, settings: &RunSettings, trace: &Trace, files:
         "run": run,
         "samples": trace.len(),
         "readings": readings_json(trace),
+        "sensitivities": sensitivities_json(trace),
         "sweeps": trace.sweeps.iter().map(|sweep| json!({
             "end": sweep.end,
             "steps": sweep.work.steps,

@@ -9,6 +9,7 @@ mod oscillation;
 mod quantity;
 mod ringing;
 mod scope;
+mod sensitivity;
 mod stick;
 mod voltmeter;
 
@@ -20,6 +21,7 @@ pub use oscillation::{Oscillation, OscillationError, oscillation};
 pub use quantity::Display;
 pub use ringing::{Ringing, RingingError, ringing};
 pub use scope::{ScopeError, picture};
+pub use sensitivity::{Sensitivity, sensitivities, sensitivity_pictures};
 pub use stick::{StickError, stick_end};
 pub use voltmeter::{Extreme, Reading, readings};
 

@@ -159,6 +159,7 @@ mod tests {
             per_volt: 1e-3,
             volts: vec![0.0, 2.0, 1.0, 0.0, 2.0, 1.0],
             courses: Vec::new(),
+            derivative: None,
         };
         Trace {
             time: vec![0.0, 1.0, 2.0, 0.0, 1.0, 2.0],

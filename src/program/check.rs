@@ -70,7 +70,7 @@ fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest 
         scratch.faults.clear();
         program.evaluate(&from, &mut registers, &mut scratch);
         restless = None;
-        program.change_modes(&registers, &mut modes, &mut states, |mode| {
+        program.change_modes(&registers, &mut modes, &mut states, |mode, _| {
             restless = Some(program.modes[mode].element);
         });
         if restless.is_none() {

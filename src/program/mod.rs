@@ -21,6 +21,7 @@ mod range;
 mod rehearsal;
 mod standing;
 mod state_space;
+mod tangent;
 mod vocabulary;
 
 use arrange::Parts;
@@ -40,6 +41,7 @@ pub(crate) use loops::LoopFault;
 pub(crate) use noise::{Distribution, Noise};
 pub(crate) use op::Sources;
 pub(crate) use standing::Standing;
+pub(crate) use tangent::{Beside, Slopes, StandingSlopes};
 
 use coefficient::Order;
 use standing::ScaleSlot;
@@ -300,14 +302,14 @@ pub(crate) const LAMP_LEVEL: f64 = REFERENCE * (1.0 + 1e-6);
 
 impl Program {
     /// Carries out every change of mode that is due at these voltages, at most one of each mode, and tells of
-    /// each by its index: those of drives if any is due, else those of everything else, which should not act
+    /// each by its index and its transition: those of drives if any is due, else those of everything else, which should not act
     /// on a voltage from before a jump. The voltages have to be worked out again after it.
     pub(crate) fn change_modes(
         &self,
         registers: &[f64],
         modes: &mut [f64],
         states: &mut [f64],
-        mut changed: impl FnMut(usize),
+        mut changed: impl FnMut(usize, &Transition),
     ) {
         let mut any = false;
         for of_drive in [true, false] {
@@ -322,7 +324,7 @@ impl Program {
                     states[reset.state as usize] = registers[reset.to.index()];
                 }
                 any = true;
-                changed(index);
+                changed(index, transition);
             }
             if any {
                 return;

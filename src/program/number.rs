@@ -131,9 +131,11 @@ impl Number for Dual {
     }
     fn call(function: Function, a: Self, b: Self) -> Self {
         let (by_a, by_b) = function.derivative(a.value, b.value);
+        // What stands still has no slope, even where the function is infinitely steep.
+        let along = |steepness: f64, slope: f64| if slope == 0.0 { 0.0 } else { steepness * slope };
         // A function of one number has no slope along its second.
-        let second = if function.arguments() > 1 { by_b * b.slope } else { 0.0 };
-        Dual::new(function.apply(a.value, b.value), by_a * a.slope + second)
+        let second = if function.arguments() > 1 { along(by_b, b.slope) } else { 0.0 };
+        Dual::new(function.apply(a.value, b.value), along(by_a, a.slope) + second)
     }
     fn table(self, points: &[[f64; 2]]) -> Self {
         let (value, slope, origin) = segment(points, self.value);

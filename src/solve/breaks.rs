@@ -11,6 +11,7 @@ impl Machine<'_> {
         for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
             line.put(self.time, self.registers[delay.input.index()]);
         }
+        self.beside(|own, machine| own.remember_delays(machine));
     }
 
     /// The same at an instant at which voltages jump or turn a corner: their echo will do so too. `echoes`
@@ -19,6 +20,7 @@ impl Machine<'_> {
         for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
             line.put_break(self.time, self.registers[delay.input.index()], echoes);
         }
+        self.beside(|own, machine| own.remember_break(machine));
     }
 
     /// The end of a stretch on the way to a time: no stretch goes across an echo, the corner of a table, or an

@@ -151,13 +151,38 @@ impl DelayLine {
     /// What comes out from a time on, with its slope.
     pub fn output(&self, time: f64) -> Output {
         let wanted = time - self.delay;
-        let after = self.past.partition_point(|sample| sample.time <= wanted + self.near);
-        if after == 0 {
-            return Output::Initial;
+        match self.past.partition_point(|sample| sample.time <= wanted + self.near) {
+            0 => Output::Initial,
+            after => Output::Arrived(self.volts(after, wanted), self.slope(after, wanted)),
         }
-        let nodes = self.around(after.min(self.past.len() - 1));
-        let slopes = nodes.each().map(|node| self.past[node].volts * self.weight_slope(nodes, node, wanted));
-        Output::Arrived(self.lagrange(nodes, wanted), slopes.sum())
+    }
+
+    /// The slope, in volts per second, of what comes out from a time on.
+    pub fn slope_from(&self, time: f64) -> f64 {
+        let wanted = time - self.delay;
+        self.slope(self.past.partition_point(|sample| sample.time <= wanted + self.near), wanted)
+    }
+
+    /// The slope of what comes out up to a time.
+    pub fn slope_until(&self, time: f64) -> f64 {
+        let wanted = time - self.delay;
+        self.slope(self.past.partition_point(|sample| sample.time < wanted - self.near), wanted)
+    }
+
+    /// Whether what comes out jumps at a time.
+    pub fn jumps_at(&self, time: f64) -> bool {
+        let (before, after) = (self.until(time), self.from(time));
+        (after - before).abs() > ROUNDING * (1.0 + after.abs())
+    }
+
+    /// Times nearer to each other than this are the same.
+    pub fn near(&self) -> f64 {
+        self.near
+    }
+
+    /// The last sample, if there is one.
+    pub fn last(&self) -> Option<(f64, f64)> {
+        self.past.back().map(|sample| (sample.time, sample.volts))
     }
 
     /// The voltage at a time before the sample of this index and not before the one ahead of it.
@@ -169,6 +194,15 @@ impl DelayLine {
             return self.past[after - 1].volts;
         }
         self.lagrange(self.around(after), wanted)
+    }
+
+    /// The slope of the curve there; nothing moves before the first sample.
+    fn slope(&self, after: usize, wanted: f64) -> f64 {
+        if after == 0 {
+            return 0.0;
+        }
+        let nodes = self.around(after.min(self.past.len() - 1));
+        nodes.each().map(|node| self.past[node].volts * self.weight_slope(nodes, node, wanted)).sum()
     }
 
     /// The four samples around the pair that ends here, or as many as there are on the same smooth piece.

@@ -30,6 +30,26 @@ pub enum RunError {
         /// When, in problem seconds.
         time: f64,
     },
+    /// A parameter by which there is no derivative.
+    #[error("there is no derivative by {parameter}: {why}")]
+    NoDerivative {
+        /// The parameter.
+        parameter: String,
+        /// Why.
+        why: String,
+    },
+    /// An event at which the derivative by a parameter ends.
+    #[error("at t = {time} s {element} {why}: there is no derivative by {parameter} from there on")]
+    DerivativeLost {
+        /// The parameter.
+        parameter: String,
+        /// What switches.
+        element: String,
+        /// How it does.
+        why: String,
+        /// When, in problem seconds.
+        time: f64,
+    },
     /// Changes of mode without end.
     #[error(
         "{element} switched more than {most} times within one step at t = {time} s: it chatters; give it \
@@ -244,7 +264,8 @@ impl RunError {
             | RunError::Chatter { element, .. }
             | RunError::DelayTooShort { element, .. }
             | RunError::LagTooShort { element, .. }
-            | RunError::NoiseTooFine { element, .. } => Some(element),
+            | RunError::NoiseTooFine { element, .. }
+            | RunError::DerivativeLost { element, .. } => Some(element),
             _ => None,
         }
     }
@@ -254,6 +275,8 @@ impl RunError {
         match self {
             RunError::NotANumber { .. } => "not-a-number",
             RunError::Loop { .. } => "loop-unsolved",
+            RunError::NoDerivative { .. } => "no-derivative",
+            RunError::DerivativeLost { .. } => "derivative-lost",
             RunError::Chatter { .. } => "chatter",
             RunError::StepTooShort { .. } => "step-too-short",
             RunError::DelayTooShort { .. } => "delay-too-short",

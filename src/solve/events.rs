@@ -54,11 +54,13 @@ impl Machine<'_> {
             if let Some(Event::Kink(kink, _)) = met {
                 self.cross(kink)?;
             }
+            self.enter_event()?;
             let echoed = self.meet_breaks();
             if self.settle()? || echoed {
                 self.remember_values();
                 self.check_now()?;
             }
+            self.leave_event()?;
             witness.arrival(self);
             if self.time >= target || witness.has_met() {
                 return Ok(());
@@ -71,14 +73,22 @@ impl Machine<'_> {
         let before = self.work.changes;
         loop {
             let (mut any, mut chatters) = (false, None);
-            self.program.change_modes(&self.registers, &mut self.modes, &mut self.states, |mode| {
-                any = true;
-                self.changes[mode] += 1;
-                self.work.changes += 1;
-                if self.changes[mode] > MOST_CHANGES {
-                    chatters = Some(self.program.modes[mode].element);
-                }
-            });
+            self.program.change_modes(
+                &self.registers,
+                &mut self.modes,
+                &mut self.states,
+                |mode, transition| {
+                    any = true;
+                    if let Some(own) = &mut self.sensitivities {
+                        own.carry_out(self.program, &self.registers, mode, transition);
+                    }
+                    self.changes[mode] += 1;
+                    self.work.changes += 1;
+                    if self.changes[mode] > MOST_CHANGES {
+                        chatters = Some(self.program.modes[mode].element);
+                    }
+                },
+            );
             if let Some(element) = chatters {
                 return Err(self.chatter(element));
             }

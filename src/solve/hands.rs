@@ -21,10 +21,30 @@ impl Machine<'_> {
     /// # Errors
     /// Those of [`Machine::set`]; nothing is changed then.
     pub fn set_all(&mut self, changes: &[(&str, f64)]) -> Result<(), RunError> {
+        // In initial condition a value by hand is another value to differentiate at.
+        let is_running = self.mode != MachineMode::InitialCondition;
+        self.turn(changes, is_running.then_some(&[]))
+    }
+
+    /// The same, telling how the values depend on the parameters by which derivatives are carried along: a row for
+    /// every change, on nothing where there is none. Without, they depend as before.
+    pub(super) fn turn(
+        &mut self,
+        changes: &[(&str, f64)],
+        slopes: Option<&[Vec<f64>]>,
+    ) -> Result<(), RunError> {
         let (parameters, coefficients) = turned(self.program, &self.parameters, changes)?;
         self.or_as_before(|machine| {
+            machine.enter_phase();
             (machine.parameters, machine.coefficients) = (parameters, coefficients);
-            machine.follow_coefficients()
+            machine.beside(|own, machine| {
+                let changed = changes.iter().filter_map(|(name, _)| machine.program.parameter(name));
+                if let Some(slopes) = slopes {
+                    own.set(changed, slopes);
+                }
+            });
+            machine.follow_coefficients()?;
+            machine.leave_event()
         })
     }
 
@@ -49,9 +69,12 @@ impl Machine<'_> {
             });
         }
         self.or_as_before(|machine| {
+            machine.enter_phase();
             machine.states[state] = volts;
+            machine.beside(|own, _| own.put_state(state));
             machine.begin_modes(machine.program.states[state].element);
-            machine.disturbed()
+            machine.disturbed()?;
+            machine.leave_event()
         })
     }
 
@@ -74,6 +97,8 @@ impl Machine<'_> {
                 (self.coefficients[delay.time as usize], self.coefficients[delay.initial as usize]);
             line.set(time * delay.problem_seconds, initial, self.time);
         }
+        self.beside(|own, machine| own.follow_coefficients(machine));
+        self.check_differentiable()?;
         self.draw_anew();
         self.check_times()?;
         match self.mode {

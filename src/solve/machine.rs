@@ -6,6 +6,7 @@ use super::error::{RunError, TimeSetting};
 use super::grid::Grid;
 use super::noise_source::NoiseSource;
 use super::overload::{self, Lit};
+use super::sensitivity::Sensitivities;
 use super::tableau::{CLASSICAL, DORMAND_PRINCE, Tableau};
 use crate::program::{Program, Scratch, Sources};
 use crate::trace::{Overload, Work};
@@ -69,6 +70,8 @@ pub struct Machine<'p> {
     grid: Grid,
     /// How long steps are, where they are not all as long as `step`.
     pub(super) control: Option<Control>,
+    /// The derivatives that are carried along, if any are.
+    pub(super) sensitivities: Option<Box<Sensitivities>>,
 }
 
 /// Which voltages are worked out.
@@ -183,6 +186,7 @@ impl<'p> Machine<'p> {
             step,
             grid: Grid::new(step),
             control: None,
+            sensitivities: None,
             parameters,
             coefficients,
         })
@@ -209,7 +213,11 @@ impl<'p> Machine<'p> {
         self.lamps.fill(None);
         self.pushed.fill(0.0);
         self.work = Work::default();
-        self.disturbed()
+        self.beside(|own, machine| own.begin(machine));
+        let outcome = self.disturbed();
+        self.beside(|own, _| own.begun());
+        outcome?;
+        self.check_derivatives()
     }
 
     /// Integrates for a length of problem time.
@@ -349,6 +357,7 @@ impl<'p> Machine<'p> {
         let still = self.program.parts.moving;
         self.trial_registers[..still].copy_from_slice(&self.registers[..still]);
         self.take_rates();
+        self.beside(|own, machine| own.evaluate(machine));
     }
 
     /// Works out the voltages for the trial states at a later time, which nothing has reached yet: what jumps there
@@ -391,6 +400,7 @@ impl<'p> Machine<'p> {
     /// Makes what was looked at the present.
     pub(super) fn accept(&mut self, time: f64, witness: &mut impl Witness) -> Result<(), RunError> {
         self.work.steps += 1;
+        self.beside(|own, machine| own.walk(machine, time));
         self.last.time = self.time;
         self.last.states.copy_from_slice(&self.states);
         self.time = time;
@@ -411,6 +421,7 @@ impl<'p> Machine<'p> {
         for (value, kept) in self.kept.iter_mut().zip(&self.program.kept) {
             *value = self.registers[kept.next.index()];
         }
+        self.beside(|own, machine| own.remember_values(machine));
     }
 }
 

@@ -14,6 +14,7 @@ mod overload;
 mod player;
 mod recorder;
 mod run;
+mod sensitivity;
 mod stride;
 mod tableau;
 mod watch;

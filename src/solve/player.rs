@@ -133,6 +133,7 @@ impl<'p, 'w> Player<'p, 'w> {
     fn ending(&mut self, switched: Option<String>) -> Ending {
         match switched {
             Some(position) => {
+                self.machine.end_phase();
                 self.recorder.show(&self.machine);
                 Ending::Switched(position)
             }
@@ -152,7 +153,9 @@ impl<'p, 'w> Player<'p, 'w> {
                 player.is_held = true;
                 return Ok(Ending::Overload);
             }
+            player.machine.enter_phase();
             player.recorder.hold(&player.machine, time);
+            player.machine.leave_event()?;
             Ok(Ending::Time)
         })
     }
@@ -161,10 +164,12 @@ impl<'p, 'w> Player<'p, 'w> {
         self.recorder.show_end(&self.machine, self.is_held);
         let values: Result<Vec<_>, _> = changes.iter().map(|change| self.new_value(change)).collect();
         let told = values.as_ref().cloned().unwrap_or_default();
+        self.machine.enter_phase();
+        let slopes: Vec<_> = changes.iter().map(|change| self.slopes(change)).collect();
         self.marked(Deed::Set(told), |player| {
             let values = values?;
             let pairs: Vec<_> = values.iter().map(|new| (new.parameter.as_str(), new.value)).collect();
-            player.machine.set_all(&pairs)?;
+            player.machine.turn(&pairs, Some(&slopes))?;
             player.machine.check_noise(player.left)?;
             player.recorder.changed();
             match player.recorder.rescaled(&player.machine) {
@@ -174,14 +179,25 @@ impl<'p, 'w> Player<'p, 'w> {
         })
     }
 
-    fn new_value(&self, change: &Change) -> Result<NewValue, RunError> {
+    /// What the formulas of the run see now.
+    fn standing(&self) -> Standing<'_> {
         let machine = &self.machine;
-        let standing = Standing {
+        Standing {
             program: machine.program,
             parameters: &machine.parameters,
             coefficients: &machine.coefficients,
             registers: Some(&machine.registers),
-        };
+        }
+    }
+
+    /// The slopes of what a change sets its parameter to, by those along which derivatives are carried.
+    fn slopes(&self, change: &Change) -> Vec<f64> {
+        let own = self.machine.sensitivities.as_ref();
+        own.map_or(Vec::new(), |own| own.of_formula(&self.standing(), &change.to.value))
+    }
+
+    fn new_value(&self, change: &Change) -> Result<NewValue, RunError> {
+        let (machine, standing) = (&self.machine, self.standing());
         let (name, formula) = (&change.parameter.value, &change.to.value);
         let index =
             machine.program.parameter(name).ok_or_else(|| RunError::UnknownParameter(name.clone()))?;

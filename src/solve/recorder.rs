@@ -29,6 +29,17 @@ pub(super) struct Recorder<'a> {
     pub watch: Option<Watch>,
     /// Every voltage before the relays of the last instant switched, while there is a watch.
     unswitched: Vec<f64>,
+    /// The derivatives of that instant, as they are recorded.
+    unswitched_derivatives: Vec<f64>,
+}
+
+/// The instant that is written down.
+#[derive(Clone, Copy)]
+enum Instant {
+    /// As the machine stands.
+    Now,
+    /// As it stood where it was last looked back at.
+    Then,
 }
 
 /// A mode that is waited for.
@@ -59,7 +70,11 @@ impl<'a> Recorder<'a> {
     ) -> Result<Self, RunError> {
         let probes: Result<Vec<_>, _> = settings.record.iter().map(|name| find(program, name)).collect();
         let probes = probes?;
-        let tracks = probes.iter().map(|probe| track(probe, machine)).collect();
+        let mut tracks: Vec<_> = probes.iter().map(|probe| track(probe, machine)).collect();
+        let derivatives = tracks.iter().flat_map(|track| derivatives(track, machine, settings));
+        let derivatives: Vec<_> = derivatives.collect();
+        let count = derivatives.len();
+        tracks.extend(derivatives);
         Ok(Recorder {
             trace: Trace { tracks, ..Trace::default() },
             progress,
@@ -74,6 +89,7 @@ impl<'a> Recorder<'a> {
             hold_on_overload: settings.hold_on_overload,
             watch: None,
             unswitched: vec![0.0; machine.registers.len()],
+            unswitched_derivatives: vec![0.0; count],
         })
     }
 
@@ -96,7 +112,7 @@ impl<'a> Recorder<'a> {
             self.lit = machine.lamps.iter().map(|lamp| lamp.map(|_| 0.0)).collect();
         }
         if !self.is_fresh {
-            self.write(self.clock(machine), |register| machine.registers[register]);
+            self.write(self.clock(machine), machine, Instant::Now);
             self.is_fresh = true;
         }
     }
@@ -144,7 +160,7 @@ impl<'a> Recorder<'a> {
         let end = self.clock(machine) + time;
         self.is_fresh = false;
         while let Some(time) = self.next_before(end * (1.0 + SAME)) {
-            self.write(time, |register| machine.registers[register]);
+            self.write(time, machine, Instant::Now);
             self.next += 1;
             self.is_fresh = time > end * (1.0 - SAME);
         }
@@ -187,20 +203,27 @@ impl<'a> Recorder<'a> {
         (time < end).then_some(time)
     }
 
-    fn write(&mut self, time: f64, voltage: impl Fn(usize) -> f64) {
+    fn write(&mut self, time: f64, machine: &Machine<'_>, instant: Instant) {
         let run = self.trace.sweeps.len() - 1;
         self.trace.time.push(time);
-        for (track, probe) in self.trace.tracks.iter_mut().zip(&self.probes) {
-            track.record(run, time, voltage(probe.register.index()));
-        }
+        let values = values(&self.probes, machine, instant);
+        self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(run, time, value));
+    }
+
+    /// Writes down the last instant as it was before relays switched.
+    fn write_unswitched(&mut self, time: f64) {
+        let run = self.trace.sweeps.len() - 1;
+        self.trace.time.push(time);
+        let voltages = self.probes.iter().map(|probe| self.unswitched[probe.register.index()]);
+        let values = voltages.chain(self.unswitched_derivatives.iter().copied());
+        self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(run, time, value));
     }
 
     /// Takes note of the voltages of now.
     fn see(&mut self, machine: &Machine<'_>) {
         let (run, time) = (self.trace.sweeps.len() - 1, self.clock(machine));
-        for (track, probe) in self.trace.tracks.iter_mut().zip(&self.probes) {
-            track.see(run, time, machine.registers[probe.register.index()]);
-        }
+        let values = values(&self.probes, machine, Instant::Now);
+        self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.see(run, time, value));
     }
 }
 
@@ -209,12 +232,14 @@ impl Witness for Recorder<'_> {
     fn stretch(&mut self, machine: &mut Machine<'_>) {
         while let Some(time) = self.next_before(self.clock(machine) * (1.0 - SAME)) {
             machine.look_back(time - self.held);
-            self.write(time, |register| machine.trial_registers[register]);
+            self.write(time, machine, Instant::Then);
             self.next += 1;
         }
         self.see(machine);
         if self.watch.is_some() {
             self.unswitched.copy_from_slice(&machine.registers);
+            let derivatives = values(&self.probes, machine, Instant::Now).skip(self.probes.len());
+            self.unswitched_derivatives.iter_mut().zip(derivatives).for_each(|(place, value)| *place = value);
         }
     }
 
@@ -226,14 +251,12 @@ impl Witness for Recorder<'_> {
             watch.look(&machine.modes);
         }
         if self.has_met() {
-            let unswitched = std::mem::take(&mut self.unswitched);
-            self.write(due.unwrap_or(self.clock(machine)), |register| unswitched[register]);
-            self.unswitched = unswitched;
+            self.write_unswitched(due.unwrap_or(self.clock(machine)));
         }
         self.see(machine);
         self.is_fresh = due.is_some();
         if let Some(time) = due {
-            self.write(time, |register| machine.registers[register]);
+            self.write(time, machine, Instant::Now);
             self.next += 1;
         }
         self.tell_progress(machine);
@@ -258,6 +281,33 @@ fn find(program: &Program, name: &str) -> Result<Probe, RunError> {
 
 fn track(probe: &Probe, machine: &Machine<'_>) -> Track {
     Track::new(&probe.name, &probe.unit, per_volt(probe, machine))
+}
+
+/// The tracks of the derivatives of a signal, by every parameter asked for.
+fn derivatives(track: &Track, machine: &Machine<'_>, settings: &RunSettings) -> Vec<Track> {
+    let by = |name: &String| {
+        let slot = machine.program.parameters.iter().find(|slot| slot.name == *name)?;
+        Some(track.differentiated(name, slot.value / slot.per_unit, &slot.unit))
+    };
+    settings.sensitivities.iter().filter_map(by).collect()
+}
+
+/// What all tracks show: the voltages of the signals, then the derivatives of each.
+fn values(probes: &[Probe], machine: &Machine<'_>, instant: Instant) -> impl Iterator<Item = f64> {
+    let registers = match instant {
+        Instant::Now => &machine.registers,
+        Instant::Then => &machine.trial_registers,
+    };
+    let voltages = probes.iter().map(|probe| registers[probe.register.index()]);
+    let derivatives = machine.sensitivities.iter().flat_map(move |own| {
+        let of = move |probe: &Probe, place: usize| {
+            let at = probe.register.index();
+            let slopes = if matches!(instant, Instant::Now) { own.now(place) } else { own.then(place) };
+            own.derivative(place, (machine, probe), registers[at], slopes[at])
+        };
+        probes.iter().flat_map(move |probe| (0..own.count()).map(move |place| of(probe, place)))
+    });
+    voltages.chain(derivatives)
 }
 
 /// A signal's value of one volt, in its unit.

@@ -27,6 +27,8 @@ pub struct RunSettings {
     pub hold_on_overload: bool,
     /// Names of the signals to record, in order.
     pub record: Vec<String>,
+    /// Names of the parameters by which the derivatives of all these signals are recorded as well.
+    pub sensitivities: Vec<String>,
 }
 
 impl RunSettings {
@@ -57,6 +59,7 @@ impl RunSettings {
             every: plan.every.as_ref().map_or(step, |placed| placed.value),
             hold_on_overload: plan.hold_on_overload,
             record: circuit.recorded(),
+            sensitivities: Vec::new(),
         })
     }
 
@@ -113,8 +116,9 @@ impl RunSettings {
         let rows = (extent.recorded / self.every).floor() + 2.0 * extent.phases;
         let marks = (extent.phases + extent.changes) * NUMBERS_OF_A_MARK;
         // Every phase may begin a run, too.
-        let courses = extent.phases * self.record.len() as f64 * NUMBERS_OF_A_COURSE;
-        let numbers = rows * (self.record.len() + 1) as f64 + marks + courses;
+        let tracks = self.record.len() * (1 + self.sensitivities.len());
+        let courses = extent.phases * tracks as f64 * NUMBERS_OF_A_COURSE;
+        let numbers = rows * (tracks + 1) as f64 + marks + courses;
         if numbers > MOST_NUMBERS {
             return Err(RunError::TooManyNumbers { numbers, most: MOST_NUMBERS });
         }
@@ -216,10 +220,13 @@ fn ready<'p, 'w>(
 ) -> Result<Player<'p, 'w>, RunError> {
     settings.check()?;
     player::check(program, &settings.phases)?;
-    let machine = match settings.tolerance {
+    let mut machine = match settings.tolerance {
         Some(tolerance) => Machine::adaptive(program, tolerance / settings.duration(), settings.step)?,
         None => Machine::new(program, settings.step)?,
     };
+    if !settings.sensitivities.is_empty() {
+        machine.differentiate(&settings.sensitivities.iter().map(String::as_str).collect::<Vec<_>>())?;
+    }
     let operated = Extent::of(&settings.phases).operated;
     machine.check_noise(operated)?;
     let recorder = Recorder::new(program, &machine, settings, progress)?;

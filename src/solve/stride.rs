@@ -1,7 +1,7 @@
 //! A step of any Runge-Kutta method, and the curve within it.
 
 use super::machine::{Machine, Wanted};
-use super::tableau::Share;
+use super::tableau::{Share, Tableau};
 use crate::machines::REFERENCE;
 
 /// States smaller than this, in volts, are 0: processors are slow on the smallest numbers.
@@ -30,7 +30,7 @@ impl Machine<'_> {
         self.keep_rates(self.method.rates() - 1);
     }
 
-    fn trial_from(&mut self, shares: &[Share], length: f64) {
+    pub(super) fn trial_from(&mut self, shares: &[Share], length: f64) {
         for (index, (trial, state)) in self.trial.iter_mut().zip(&self.states).enumerate() {
             *trial = state + length * combined(&self.rates, shares, index);
         }
@@ -56,17 +56,9 @@ impl Machine<'_> {
     /// its ends (Hermite), and what the method knows beyond it.
     pub(super) fn look_back(&mut self, time: f64) {
         let length = self.time - self.last.time;
-        let share = (time - self.last.time) / length;
-        let rest = 1.0 - share;
-        let [from_state, from_rate] = [(1.0 + 2.0 * share) * rest * rest, share * rest * rest * length];
-        let [to_state, to_rate] = [share * share * (3.0 - 2.0 * share), -share * share * rest * length];
-        let bulge = length * (share * rest) * (share * rest);
+        let curve = Curve::new(self.method, length, (time - self.last.time) / length);
         for (index, trial) in self.trial.iter_mut().enumerate() {
-            let value = from_state * self.last.states[index]
-                + from_rate * self.rates[0][index]
-                + to_state * self.states[index]
-                + to_rate * self.slopes[index]
-                + bulge * combined(&self.rates, self.method.bulge, index);
+            let value = curve.value([self.last.states[index], self.states[index]], &self.rates, index);
             let [low, high] = self.program.states[index].limits.map(|limit| self.registers[limit.index()]);
             *trial = if value < low {
                 low
@@ -77,10 +69,41 @@ impl Machine<'_> {
             };
         }
         self.evaluate_trial(time, Wanted::Ahead);
+        self.beside(|own, machine| own.look_back(machine, time, &curve));
+    }
+}
+
+/// The curve within a stretch, at one place: shares of states and rates.
+pub(super) struct Curve {
+    states: [f64; 2],
+    rates: [f64; 2],
+    bulge: f64,
+    shares: &'static [Share],
+}
+
+impl Curve {
+    /// That of a method, after a share of a stretch of this length.
+    fn new(method: &Tableau, length: f64, share: f64) -> Self {
+        let rest = 1.0 - share;
+        Curve {
+            states: [(1.0 + 2.0 * share) * rest * rest, share * share * (3.0 - 2.0 * share)],
+            rates: [share * rest * rest * length, -share * share * rest * length],
+            bulge: length * (share * rest) * (share * rest),
+            shares: method.bulge,
+        }
+    }
+
+    /// A state by its values at both ends and the rates of the stages, of which the last is that at the end.
+    pub fn value(&self, [from, to]: [f64; 2], rates: &[Vec<f64>], state: usize) -> f64 {
+        self.states[0] * from
+            + self.rates[0] * rates[0][state]
+            + self.states[1] * to
+            + self.rates[1] * rates[rates.len() - 1][state]
+            + self.bulge * combined(rates, self.shares, state)
     }
 }
 
 /// Rates of a state, each times its share.
-fn combined(rates: &[Vec<f64>], shares: &[Share], state: usize) -> f64 {
+pub(super) fn combined(rates: &[Vec<f64>], shares: &[Share], state: usize) -> f64 {
     shares.iter().map(|(stage, share)| share * rates[*stage][state]).sum()
 }

@@ -7,7 +7,7 @@ mod track;
 pub use self::csv::CsvError;
 pub(crate) use self::csv::number;
 pub use self::mark::{Deed, Ending, Mark, NewValue};
-pub use self::track::{Course, Moment, Track};
+pub use self::track::{Course, Derivative, Moment, Track};
 
 /// A recorded run, or several of them one after the other (repetitive operation).
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -72,9 +72,21 @@ impl Trace {
         self.tracks.iter().find(|track| track.name == name)
     }
 
+    /// The track of the derivative of a signal by a parameter.
+    pub fn derivative(&self, signal: &str, parameter: &str) -> Option<&Track> {
+        let is_it = |of: &Derivative| of.signal == signal && of.parameter == parameter;
+        self.tracks.iter().find(|track| track.derivative.as_ref().is_some_and(is_it))
+    }
+
     /// The samples of a signal in physical units.
     pub fn values(&self, name: &str) -> Option<Vec<f64>> {
         self.track(name).map(|track| track.values().collect())
+    }
+
+    /// The same run with nothing recorded of it.
+    pub(crate) fn without_tracks(&self) -> Trace {
+        let (time, sweeps, marks) = (self.time.clone(), self.sweeps.clone(), self.marks.clone());
+        Trace { time, tracks: Vec::new(), sweeps, marks }
     }
 
     /// Number of samples.

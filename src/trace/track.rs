@@ -13,6 +13,21 @@ pub struct Track {
     pub volts: Vec<f64>,
     /// What it went through in every run, between the samples too; nothing where it was never seen.
     pub courses: Vec<Course>,
+    /// What it is the derivative of, where it is one; its volts are then values in its unit.
+    pub derivative: Option<Derivative>,
+}
+
+/// Of what a track is the derivative, and by what.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Derivative {
+    /// Name of the signal, of which there is a track as well.
+    pub signal: String,
+    /// Name of the parameter.
+    pub parameter: String,
+    /// The parameter's value at the beginning of the run, in its declared unit.
+    pub value: f64,
+    /// Text of that unit.
+    pub unit: String,
 }
 
 /// What a signal went through in a run: watched at every step, recorded there or not.
@@ -40,7 +55,16 @@ pub struct Moment {
 impl Track {
     /// A track on which nothing is recorded yet.
     pub fn new(name: impl Into<String>, unit: impl Into<String>, per_volt: f64) -> Self {
-        Track { name: name.into(), unit: unit.into(), per_volt, volts: Vec::new(), courses: Vec::new() }
+        let (volts, courses) = (Vec::new(), Vec::new());
+        Track { name: name.into(), unit: unit.into(), per_volt, volts, courses, derivative: None }
+    }
+
+    /// The track of a derivative of this one, on which nothing is recorded yet.
+    pub fn differentiated(&self, parameter: impl Into<String>, value: f64, unit: impl Into<String>) -> Self {
+        let (parameter, unit, signal) = (parameter.into(), unit.into(), self.name.clone());
+        let name = format!("d {signal} / d {parameter}");
+        let derivative = Some(Derivative { signal, parameter, value, unit: unit.clone() });
+        Track { derivative, ..Track::new(name, per(&self.unit, &unit), 1.0) }
     }
 
     /// The samples in physical units.
@@ -64,6 +88,19 @@ impl Track {
     }
 }
 
+/// One unit divided by another.
+fn per(unit: &str, by: &str) -> String {
+    let bracketed = |unit: &str, marks: &[char]| match unit.contains(marks) {
+        true => format!("({unit})"),
+        false => unit.to_owned(),
+    };
+    match (unit.trim(), by.trim()) {
+        (unit, "" | "1") => unit.to_owned(),
+        ("", by) => per("1", by),
+        (unit, by) => format!("{}/{}", bracketed(unit, &['/']), bracketed(by, &['/', ' ', '*', '·'])),
+    }
+}
+
 impl Course {
     fn goes_on(&mut self, moment: Moment) {
         self.end = moment.volts;
@@ -72,6 +109,27 @@ impl Course {
         }
         if moment.volts > self.most.volts {
             self.most = moment;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_of_derivatives_can_be_read() {
+        let unit = |unit: &str, by: &str| Track::new("y", unit, 1.0).differentiated("p", 1.0, by).unit;
+        for (of, by, wanted) in [
+            ("m/s", "kg", "(m/s)/kg"),
+            ("m/s", "N s/m", "(m/s)/(N s/m)"),
+            ("V", "1", "V"),
+            ("1", "m", "1/m"),
+            ("", "m", "1/m"),
+            ("m/s", "", "m/s"),
+        ] {
+            assert_eq!(unit(of, by), wanted);
+            assert!(crate::patch::Unit::parse(wanted).is_ok(), "{wanted}");
         }
     }
 }

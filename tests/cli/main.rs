@@ -13,6 +13,7 @@ mod pictures;
 mod readme;
 mod refused;
 mod run;
+mod sensitivity;
 mod sweep;
 
 use std::fs;

@@ -3,18 +3,20 @@
 use std::fs;
 
 use super::linearise::FIG_8_04;
+use super::sensitivity::BALL;
 use super::{FIG_8_16, code, patchcord, path};
 
 const COULOMB: &str = "patches/thesis/fig-8-16-coulomb.json";
 const BOTH: &str = "patches/thesis/fig-8-16-both.json";
 
 /// Commands and the pictures that they draw; those of lessons are held fresh by `tests/lessons`.
-const PICTURES: [(&[&str], &str); 6] = [
+const PICTURES: [(&[&str], &str); 7] = [
     (&["run", FIG_8_16], "fig-8-16.svg"),
     (&["run", COULOMB], "fig-8-16-coulomb.svg"),
     (&["run", BOTH], "fig-8-16-both.svg"),
     (&["draw", FIG_8_16], "fig-8-16.schematic.svg"),
     (&["linearise", FIG_8_04, "--from", "v_i", "--to", "v_o"], "fig-8-04.bode.svg"),
+    (&["run", BALL, "--sensitivity", "e,g,h0"], "bouncing-ball.sensitivity.svg"),
     (&["draw", FIG_8_16, "--board"], "fig-8-16.board.svg"),
 ];
 

@@ -250,8 +250,15 @@ fn a_grid_beyond_reason_cannot_be_set_within_a_run() {
     let program = of_any_height();
     let phases = vec![Phase::operate(50.0), Phase::set("T", 1e-9), Phase::operate(150.0)];
     let record = vec!["u".to_owned()];
-    let settings =
-        RunSettings { phases, step: 0.1, tolerance: None, every: 0.1, hold_on_overload: false, record };
+    let settings = RunSettings {
+        phases,
+        step: 0.1,
+        tolerance: None,
+        every: 0.1,
+        hold_on_overload: false,
+        record,
+        sensitivities: vec![],
+    };
     let stopped = solve::run(&program, &settings).unwrap_err();
     assert!(
         matches!(&stopped.error, RunError::NoiseTooFine { numbers, .. } if *numbers > 1.4e11),

@@ -1,0 +1,90 @@
+//! `patchcord run --sensitivity`.
+
+use std::fs;
+
+use super::{FIG_8_16, code, errors, json, out, patchcord, path};
+
+pub const BALL: &str = "patches/lessons/bouncing-ball.json";
+
+#[test]
+fn the_page_shows_what_the_command_prints() {
+    let page = fs::read_to_string("docs/sensitivity.md").unwrap();
+    let command = page.lines().find_map(|line| line.strip_prefix("    patchcord ")).unwrap();
+    let shown = page.split("```text\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let words: Vec<&str> = command.split(' ').take_while(|word| *word != "--plot").collect();
+    let printed = out(&patchcord(&words));
+    assert!(printed.contains(shown), "{command}\n{printed}");
+    assert!(shown.contains("16.61") && page.contains("by 16.61 percent"));
+}
+
+#[test]
+fn derivatives_are_columns_readings_and_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let (svg, csv) = (path(&folder, "ball.svg"), path(&folder, "ball.csv"));
+    let arguments =
+        ["run", "tests/patches/bouncing-ball.json", "--record", "height", "--sensitivity", "e, g,e"];
+    let told = json(&patchcord(&[&arguments[..], &["--json", "--csv", &csv, "--plot", &svg]].concat()));
+    let names: Vec<_> =
+        told["readings"].as_array().unwrap().iter().map(|reading| &reading["signal"]).collect();
+    assert_eq!(names, ["height", "d height / d e", "d height / d g"]);
+    let first = &told["sensitivities"][0];
+    assert_eq!(
+        (&first["signal"], &first["parameter"], &first["unit"]),
+        (&"height".into(), &"e".into(), &"m".into())
+    );
+    let size = first["most"]["value"].as_f64().unwrap().abs();
+    assert!((first["relative"].as_f64().unwrap() - 0.8 * size).abs() < 1e-9, "{first}");
+    let table = fs::read_to_string(&csv).unwrap();
+    assert!(
+        table.contains("# d height / d g: m/(m/s2)\n")
+            && table.contains("\nt,height,d height / d e,d height / d g\n")
+    );
+    let picture = fs::read_to_string(&svg).unwrap();
+    for part in ["What height owes to its parameters", "p d height / d p, m", "e d height / d e"] {
+        assert!(picture.contains(part), "{part}");
+    }
+    let twice = out(&patchcord(&[&arguments[..], &["--repeat", "2"]].concat()));
+    assert!(twice.contains("\n  2  d height / d g"), "{twice}");
+}
+
+#[test]
+fn what_has_no_derivative_is_told() {
+    let noise = "tests/patches/memory.json";
+    for (patch, options, told, wanted) in [
+        (FIG_8_16, "--sensitivity m", "there is no parameter m to differentiate by; did you mean \"M\"?", 2),
+        (FIG_8_16, "--sensitivity M,", "a name is missing", 2),
+        (noise, "--sensitivity top --every 1e-8 --step 1e-8", "the run would", 2),
+    ] {
+        let refused = patchcord(&[&["run", patch], &options.split(' ').collect::<Vec<_>>()[..]].concat());
+        assert_eq!(code(&refused), wanted, "{options}: {}", errors(&refused));
+        assert!(errors(&refused).contains(told), "{}", errors(&refused));
+    }
+}
+
+#[test]
+fn a_derivative_that_ends_stops_the_run_with_what_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let (patch, csv) = (path(&folder, "late.json"), path(&folder, "late.csv"));
+    let text = serde_json::json!({
+        "patchcord": 1,
+        "machine": "unlimited",
+        "parameters": {"mark": {"value": 50, "unit": "V", "range": [1, 90]}},
+        "scales": {"volt": {"per_volt": 1, "unit": "V"}},
+        "drives": {"u": {"kind": "ramp", "scale": "volt", "rate": 50}},
+        "elements": {
+            "K1": {"kind": "relay", "in": "u", "on": "+100", "off": "-100", "pull_in": "mark / volt", "drop_out": -90},
+            "K2": {"kind": "relay", "in": "u", "on": "+100", "off": "-100", "pull_in": 50, "drop_out": -90}
+        },
+        "run": {"for": 2, "step": 0.01}
+    });
+    fs::write(&patch, text.to_string()).unwrap();
+    let stopped = patchcord(&["run", &patch, "--sensitivity", "mark", "--csv", &csv]);
+    assert_eq!(code(&stopped), 1);
+    let told = errors(&stopped);
+    assert!(
+        told.contains("K2 and K1 switch at the same instant") && told.contains(&format!("{patch}:")),
+        "{told}"
+    );
+    assert!(told.contains("the files hold the run up to t = "), "{told}");
+    assert!(fs::read_to_string(&csv).unwrap().lines().count() > 90);
+}

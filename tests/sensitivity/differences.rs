@@ -1,0 +1,71 @@
+//! Derivatives against differences of runs, through everything that switches.
+
+use patchcord::patch::Patch;
+use patchcord::solve::RunSettings;
+
+use crate::bench::Case;
+use crate::common::{patch, slideway};
+
+fn shipped(file: &str) -> Patch {
+    Patch::read(format!("patches/{file}.json").as_ref()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn a_bouncing_ball() {
+    let case = || Case::new(patch("bouncing-ball"), &[], 3.3);
+    case().check(&["g", "h0", "e"], 1e-6, 0.97);
+    case().with(|own| RunSettings { tolerance: Some(1e-10), ..own }).check(&["g", "e"], 1e-6, 0.9);
+}
+
+#[test]
+fn a_relay_oscillator() {
+    Case::new(patch("relay-oscillator"), &[], 3.0).check(&["slope", "a_high", "a_low"], 1e-6, 0.95);
+}
+
+#[test]
+fn stick_and_slip_on_a_brake() {
+    Case::new(patch("stick-slip-brake"), &[], 4.0).check(
+        &["m", "k", "Fs", "Fk", "v_pull", "v_relay"],
+        1e-5,
+        0.9,
+    );
+}
+
+#[test]
+fn delay_lines() {
+    // The slope of the delay's cubic is of order 3: 1e-6 of the largest derivative at 5 ms.
+    Case::new(patch("delay-line"), &[], 4.0).with(|own| RunSettings { step: 5e-3, ..own }).check(
+        &["T", "T_x", "x0", "height", "tone"],
+        1e-6,
+        0.95,
+    );
+}
+
+#[test]
+fn stick_slip_of_fig_8_16() {
+    let case = || Case { share: 1e-7, ..Case::new(slideway(), &[], 0.5) };
+    case().check(&["M", "K", "f", "Fs", "VcL", "Tc"], 1e-4, 0.9);
+    case().with(|own| RunSettings { tolerance: Some(1e-9), ..own }).check(&["M", "Fs"], 1e-3, 0.9);
+}
+
+#[test]
+fn stick_slip_on_a_true_brake() {
+    let case = Case { share: 1e-6, ..Case::new(shipped("thesis/fig-8-16-coulomb"), &[], 0.5) };
+    case.check(&["M", "K", "f", "Fs", "VcL", "Tc"], 1e-4, 0.9);
+}
+
+#[test]
+fn limits_are_met_and_left() {
+    let case = Case::new(patch("integrator-limit"), &[("t_turn", 19.3)], 30.0);
+    case.check(&["u", "t_turn"], 1e-7, 0.95);
+}
+
+#[test]
+fn a_rough_voltage_through_everything_that_remembers() {
+    // Noise leaves the delay lines with pieces of few samples, which coarse steps draw roughly.
+    Case::new(patch("memory"), &[], 4.0).with(|own| RunSettings { step: 1e-3, ..own }).check(
+        &["top"],
+        1e-7,
+        0.9,
+    );
+}

@@ -1,0 +1,96 @@
+//! Derivatives that there are not are told by name, and never given as numbers.
+
+use patchcord::patch::PatchBuilder;
+use patchcord::solve::{Machine, RunError};
+
+use crate::common::{built, element, patch, program, volts};
+
+/// What comes of a second of a patch, differentiated by one of its parameters.
+fn outcome(builder: PatchBuilder, by: &str, length: f64) -> Result<f64, RunError> {
+    let program = built(builder);
+    let mut machine = Machine::new(&program, 1e-2).unwrap();
+    machine.differentiate(&[by])?;
+    machine.operate(length)?;
+    machine.sensitivity("A1", by)
+}
+
+fn refused(builder: PatchBuilder, by: &str, wanted: &str) {
+    let error = outcome(builder, by, 2.0).unwrap_err();
+    assert!(error.to_string().contains(wanted), "{error}");
+    assert!(["no-derivative", "derivative-lost"].contains(&error.code()));
+}
+
+fn relay(pull_in: &str) -> patchcord::patch::ElementBuilder {
+    element("relay").cord("on", "+100").cord("off", "-100").set("drop_out", -90).set("pull_in", pull_in)
+}
+
+/// 50 t (2 - t) comes up to 50 V at t = 1, and no farther.
+fn touching(pull_in: f64) -> PatchBuilder {
+    volts("touching")
+        .parameter("mark", pull_in, "V", [1.0, 90.0])
+        .drive("u", "volt", element("ramp").set("start", -100).set("rate", 100))
+        .element("A0", element("integrator").cords("x1", ["u"]))
+        .element("K1", relay("mark / volt").cord("in", "A0"))
+        .element("P1", element("pot").cord("in", "K1").set("setting", 0.1))
+        .element("A1", element("integrator").cords("x1", ["P1"]))
+}
+
+#[test]
+fn what_only_touches_its_mark_has_no_derivative() {
+    refused(touching(50.0 - 1e-11), "mark", "K1 only just touches the place where it switches");
+    // A volt below, the relay switches at 1 - sqrt(0.02): 20 V/s more or less from there on.
+    let found = outcome(touching(49.0), "mark", 2.0).unwrap();
+    assert!((found - 20.0 / (100.0 * 0.02f64.sqrt())).abs() < 1e-8, "{found}");
+}
+
+#[test]
+fn two_that_switch_at_once_must_move_together() {
+    let two = |second: &str| {
+        volts("two")
+            .parameter("mark", 50.0, "V", [1.0, 90.0])
+            .drive("u", "volt", element("ramp").set("rate", 50))
+            .element("K1", relay("mark / volt").cord("in", "u"))
+            .element("K2", relay(second).cord("in", "u"))
+            .element("P1", element("pot").cord("in", "K1").set("setting", 0.1))
+            .element("P2", element("pot").cord("in", "K2").set("setting", 0.2))
+            .element("A1", element("integrator").cords("x1", ["P1", "P2"]))
+    };
+    refused(two("50"), "mark", "switch at the same instant");
+    // 60 V/s later by 1/50 s for every volt.
+    let found = outcome(two("mark / volt"), "mark", 1.9).unwrap();
+    assert!((found - 60.0 / 50.0).abs() < 1e-9, "{found}");
+}
+
+#[test]
+fn noise_has_no_derivative_by_what_draws_it() {
+    let noise = |unit: &str, seed: &str, every: &str, rms: &str| {
+        let noise = element("noise").set("seed", seed).set("every", every).set("rms", rms);
+        volts("noise")
+            .parameter("p", 1.0, unit, [1.0, 90.0])
+            .drive("n", "volt", noise)
+            .element("A1", element("integrator").cords("x1", ["n"]))
+    };
+    refused(noise("1", "p", "0.1", "3"), "p", "n draws other numbers for every other value");
+    refused(noise("s", "1", "p / 10", "3"), "p", "n draws other numbers");
+    let found = outcome(noise("V", "1", "0.1", "3 * p"), "p", 1.0).unwrap();
+    assert!(found.abs() > 1e-3);
+}
+
+#[test]
+fn what_stands_at_its_mark_from_the_start_has_no_derivative() {
+    let late = volts("late")
+        .parameter("at", 0.0, "s", [0.0, 1.0])
+        .drive("u", "volt", element("step").set("height", 10).set("at", "at"))
+        .element("A1", element("integrator").cords("x1", ["u"]));
+    refused(late, "at", "u stands exactly where it switches in initial condition");
+}
+
+#[test]
+fn unknown_parameters_are_told() {
+    let program = program(&patch("bouncing-ball"), &[]);
+    let mut machine = Machine::new(&program, 1e-2).unwrap();
+    assert!(machine.differentiate(&["mass"]).unwrap_err().to_string().contains("there is no such parameter"));
+    machine.differentiate(&["g"]).unwrap();
+    assert!(machine.sensitivity("B1", "e").unwrap_err().to_string().contains("none is carried along"));
+    assert!(machine.sensitivity("B9", "g").is_err());
+}
