@@ -5,6 +5,11 @@ mod common;
 
 mod bench;
 mod closed;
+#[allow(dead_code, reason = "this binary takes what it needs")]
+#[path = "../thesis/dice.rs"]
+mod dice;
 mod differences;
 mod phases;
+mod random;
 mod refused;
+mod shipped;
