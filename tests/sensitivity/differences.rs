@@ -4,7 +4,7 @@ use patchcord::patch::Patch;
 use patchcord::solve::RunSettings;
 
 use crate::bench::Case;
-use crate::common::{patch, slideway};
+use crate::common::{element, patch, slideway, volts};
 
 fn shipped(file: &str) -> Patch {
     Patch::read(format!("patches/{file}.json").as_ref()).unwrap_or_else(|error| panic!("{error}"))
@@ -52,6 +52,33 @@ fn stick_slip_of_fig_8_16() {
 fn stick_slip_on_a_true_brake() {
     let case = Case { share: 1e-6, ..Case::new(shipped("thesis/fig-8-16-coulomb"), &[], 0.5) };
     case.check(&["M", "K", "f", "Fs", "VcL", "Tc"], 1e-4, 0.9);
+}
+
+/// Machine seconds that are not problem seconds, a drive whose corners fall on no step, and a loop without an
+/// integrator.
+#[test]
+fn a_slow_machine_behind_a_table() {
+    let points = serde_json::json!([[0.313, 0], [1.271, 30], [1.277, -30], [1.9, 5]]);
+    let builder = volts("slow")
+        .time_scale(2.5)
+        .parameter("late", 0.9, "s", [0.1, 3.0])
+        .parameter("back", 0.4, "1", [0.0, 1.0])
+        .parameter("width", 0.05, "m", [0.01, 1.0])
+        .scale("length", "width / 40", "m")
+        .drive("u", "volt", element("table").set("points", points))
+        .element("S1", element("summer").cords("x1", ["u", "PB"]))
+        .element("PB", element("pot").cord("in", "S1").set("setting", "back"))
+        .element("D1", element("delay").cord("in", "S1").set("delay", "late"))
+        .element("L1", element("lag").cords("x1", ["D1"]).set("time", "late / 3"))
+        .element(
+            "A1",
+            element("integrator").cords("x0.5", ["L1", "A1"]).set("initial", "width / length / 10"),
+        )
+        .signal("x", "A1", "length", 1.0)
+        .signal("lagged", "L1", "volt", 1.0)
+        .run(3.0, 1e-3);
+    let patch = builder.build().unwrap_or_else(|report| panic!("{report}"));
+    Case::new(patch, &[], 3.0).check(&["late", "back", "width"], 1e-6, 0.95);
 }
 
 #[test]
