@@ -1,5 +1,7 @@
 //! The derivatives of everything by one parameter.
 
+use std::ops::Range;
+
 use super::line::Line;
 use crate::program::{Beside, Program, Slopes};
 use crate::solve::delay_line::DelayLine;
@@ -49,6 +51,13 @@ pub(super) struct Walk<'a> {
     pub end: &'a [f64],
 }
 
+impl Walk<'_> {
+    /// Voltages between two kinks: those of the stage near the middle.
+    fn guide(&self) -> &[f64] {
+        &self.stages[self.method.middle + 1]
+    }
+}
+
 impl Column {
     pub fn new(program: &Program, parameter: usize, method: &Tableau) -> Self {
         let zeros = |count: usize| vec![0.0; count];
@@ -94,9 +103,8 @@ impl Column {
 
     /// The slopes of all voltages of now.
     pub fn evaluate(&mut self, program: &Program, time: f64, lines: &[DelayLine], values: &[f64]) {
-        for ((delayed, line), input) in self.delayed.iter_mut().zip(&self.lines).zip(lines) {
-            *delayed = line.from(time, input, self.frame);
-        }
+        let frame = self.frame;
+        self.take_delayed(lines, |line, input| line.from(time, input, frame));
         let from = Slopes {
             coefficients: &self.coefficients,
             states: &self.states,
@@ -112,28 +120,18 @@ impl Column {
     pub fn walk(&mut self, walk: &Walk<'_>) {
         let Walk { program, method, .. } = *walk;
         let (still, watched, all) = (program.parts.moving, program.parts.watched, program.body.len());
-        let guide = &walk.stages[method.middle + 1];
-        self.last.copy_from_slice(&self.states);
-        for ((delayed, line), input) in self.delayed.iter_mut().zip(&self.lines).zip(walk.lines) {
-            *delayed = line.from(walk.begin, input, 0.0);
-        }
-        self.trial.copy_from_slice(&self.states);
-        let first = Beside { values: &walk.stages[0], guide };
-        // What goes into a delay line may be no rate's business.
-        let wanted = if self.lines.is_empty() { watched } else { all };
-        self.work_out(program, 0..wanted, first);
-        self.keep_rates(program, 0);
-        for (line, delay) in self.lines.iter_mut().zip(&program.delays) {
-            line.begin(walk.begin, self.trial_registers[delay.input.index()]);
-        }
+        let guide = walk.guide();
+        self.set_out(walk);
         for (stage, row) in method.stages.iter().enumerate() {
             self.trial_from(row.from, walk.length);
-            self.delay_until(walk, walk.begin + row.at * walk.length);
+            let time = walk.begin + row.at * walk.length;
+            self.take_delayed(walk.lines, |line, input| line.until(time, input));
             self.work_out(program, still..watched, Beside { values: &walk.stages[stage + 1], guide });
             self.keep_rates(program, stage + 1);
         }
         self.trial_from(method.end, walk.length / method.parts);
-        self.delay_until(walk, walk.begin + walk.length);
+        let time = walk.begin + walk.length;
+        self.take_delayed(walk.lines, |line, input| line.until(time, input));
         self.work_out(program, still..watched, Beside { values: walk.end, guide });
         // What no rate depends on may have turned a corner on the way.
         self.work_out(program, watched..all, Beside { values: walk.end, guide: walk.end });
@@ -141,6 +139,21 @@ impl Column {
         self.states.copy_from_slice(&self.trial);
         std::mem::swap(&mut self.registers, &mut self.trial_registers);
         self.trial_registers[..still].copy_from_slice(&self.registers[..still]);
+    }
+
+    /// The first stage: the machine may stand on a kink, and the slopes are those of the side that it goes to.
+    fn set_out(&mut self, walk: &Walk<'_>) {
+        let program = walk.program;
+        self.last.copy_from_slice(&self.states);
+        self.trial.copy_from_slice(&self.states);
+        self.take_delayed(walk.lines, |line, input| line.from(walk.begin, input, 0.0));
+        // What goes into a delay line may be no rate's business.
+        let wanted = if self.lines.is_empty() { program.parts.watched } else { program.body.len() };
+        self.work_out(program, 0..wanted, Beside { values: &walk.stages[0], guide: walk.guide() });
+        self.keep_rates(program, 0);
+        for (line, delay) in self.lines.iter_mut().zip(&program.delays) {
+            line.begin(walk.begin, self.trial_registers[delay.input.index()]);
+        }
     }
 
     /// The slopes of all voltages of an instant within the last stretch.
@@ -155,16 +168,15 @@ impl Column {
             let ends = [self.last[state], self.states[state]];
             *trial = curve.value(ends, &self.rates, state);
         }
-        for ((delayed, line), input) in self.delayed.iter_mut().zip(&self.lines).zip(lines) {
-            *delayed = line.until(time, input);
-        }
+        self.take_delayed(lines, |line, input| line.until(time, input));
         let still = program.parts.moving;
         self.work_out(program, still..program.body.len(), Beside { values, guide: values });
     }
 
-    fn delay_until(&mut self, walk: &Walk<'_>, time: f64) {
-        for ((delayed, line), input) in self.delayed.iter_mut().zip(&self.lines).zip(walk.lines) {
-            *delayed = line.until(time, input);
+    /// The slopes of what comes out of the delay lines, beside which stand the lines of the machine.
+    fn take_delayed(&mut self, inputs: &[DelayLine], output: impl Fn(&Line, &DelayLine) -> f64) {
+        for ((delayed, line), input) in self.delayed.iter_mut().zip(&self.lines).zip(inputs) {
+            *delayed = output(line, input);
         }
     }
 
@@ -174,7 +186,7 @@ impl Column {
         }
     }
 
-    fn work_out(&mut self, program: &Program, range: std::ops::Range<usize>, beside: Beside<'_>) {
+    fn work_out(&mut self, program: &Program, range: Range<usize>, beside: Beside<'_>) {
         let from = Slopes {
             coefficients: &self.coefficients,
             states: &self.trial,

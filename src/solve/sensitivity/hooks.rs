@@ -1,13 +1,13 @@
 //! Where the machine takes its derivatives along.
 
-use super::super::machine::{Machine, Wanted};
-use super::super::stride::Curve;
 use super::Sensitivities;
 use super::column::{Column, Walk};
 use super::saltation::STANDS;
 use crate::patch::Formula;
 use crate::program::{Program, Standing, StandingSlopes, Transition};
 use crate::solve::error::RunError;
+use crate::solve::machine::{Machine, Wanted};
+use crate::solve::stride::Curve;
 
 impl Machine<'_> {
     /// Does something with the derivatives beside the rest of the machine; nothing where there are none.
@@ -38,20 +38,9 @@ impl Sensitivities {
     /// Goes through the stretch that the machine is about to accept.
     pub fn walk(&mut self, machine: &mut Machine<'_>, end: f64) {
         let (program, method) = (machine.program, machine.method);
-        let (begin, still) = (machine.time, program.parts.moving);
+        let begin = machine.time;
         self.length = end - begin;
-        self.stages[0].copy_from_slice(&machine.registers);
-        std::mem::swap(&mut self.end, &mut machine.trial);
-        for (stage, row) in method.stages.iter().enumerate() {
-            let voltages = &mut self.stages[stage + 1];
-            voltages[..still].copy_from_slice(&machine.registers[..still]);
-            std::mem::swap(voltages, &mut machine.trial_registers);
-            machine.trial_from(row.from, self.length);
-            let wanted = if stage == method.middle { Wanted::Ahead } else { Wanted::Rates };
-            machine.evaluate_trial(begin + row.at * self.length, wanted);
-            std::mem::swap(&mut self.stages[stage + 1], &mut machine.trial_registers);
-        }
-        std::mem::swap(&mut self.end, &mut machine.trial);
+        self.look_at_stages(machine);
         let walk = Walk {
             program,
             method,
@@ -62,6 +51,23 @@ impl Sensitivities {
             end: &machine.trial_registers,
         };
         self.columns.iter_mut().for_each(|column| column.walk(&walk));
+    }
+
+    /// Works out the voltages of all stages of a stretch once more; leaves the machine looking at its end.
+    fn look_at_stages(&mut self, machine: &mut Machine<'_>) {
+        let still = machine.program.parts.moving;
+        self.stages[0].copy_from_slice(&machine.registers);
+        std::mem::swap(&mut self.end, &mut machine.trial);
+        for (stage, row) in machine.method.stages.iter().enumerate() {
+            let voltages = &mut self.stages[stage + 1];
+            voltages[..still].copy_from_slice(&machine.registers[..still]);
+            std::mem::swap(voltages, &mut machine.trial_registers);
+            machine.trial_from(row.from, self.length);
+            let wanted = if stage == machine.method.middle { Wanted::Ahead } else { Wanted::Rates };
+            machine.evaluate_trial(machine.time + row.at * self.length, wanted);
+            std::mem::swap(&mut self.stages[stage + 1], &mut machine.trial_registers);
+        }
+        std::mem::swap(&mut self.end, &mut machine.trial);
     }
 
     /// Looks at the instant that the machine looks back at.

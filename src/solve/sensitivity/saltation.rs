@@ -44,13 +44,14 @@ impl Machine<'_> {
         outcome
     }
 
-    /// Goes to the moving instant at which the present phase of a run began, for something that a hand does there;
-    /// nothing once it is there.
+    /// Goes to the instant at which the present phase of a run began, where that moves, for something that a hand does
+    /// there; nothing once it is there.
     pub(in crate::solve) fn enter_phase(&mut self) {
         self.beside(|own, machine| {
-            if !own.is_at_event {
+            let moves = own.columns.iter().any(|column| column.phase != 0.0);
+            own.columns.iter_mut().for_each(|column| column.event = column.phase);
+            if moves && !own.is_at_event {
                 own.flow_now(machine);
-                own.columns.iter_mut().for_each(|column| column.event = column.phase);
                 own.enter(machine);
             }
         });
