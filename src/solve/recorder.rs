@@ -294,18 +294,13 @@ fn derivatives(track: &Track, machine: &Machine<'_>, settings: &RunSettings) -> 
 
 /// What all tracks show: the voltages of the signals, then the derivatives of each.
 fn values(probes: &[Probe], machine: &Machine<'_>, instant: Instant) -> impl Iterator<Item = f64> {
-    let registers = match instant {
-        Instant::Now => &machine.registers,
-        Instant::Then => &machine.trial_registers,
-    };
+    let is_now = matches!(instant, Instant::Now);
+    let registers = if is_now { &machine.registers } else { &machine.trial_registers };
     let voltages = probes.iter().map(|probe| registers[probe.register.index()]);
     let derivatives = machine.sensitivities.iter().flat_map(move |own| {
-        let of = move |probe: &Probe, place: usize| {
-            let at = probe.register.index();
-            let slopes = if matches!(instant, Instant::Now) { own.now(place) } else { own.then(place) };
-            own.derivative(place, (machine, probe), registers[at], slopes[at])
-        };
-        probes.iter().flat_map(move |probe| (0..own.count()).map(move |place| of(probe, place)))
+        let of =
+            move |probe| (0..own.count()).map(move |place| own.derivative(place, probe, machine, is_now));
+        probes.iter().flat_map(of)
     });
     voltages.chain(derivatives)
 }

@@ -226,3 +226,17 @@ fn a_tolerance_serves_derivatives_too() {
         }
     }
 }
+
+#[test]
+fn on_a_kink_the_derivative_is_that_towards_higher_values() {
+    let rectified = |value: f64| {
+        let builder = volts("rectified")
+            .parameter("p", value, "V", [-9.0, 9.0])
+            .drive("u", "volt", element("step").set("height", "-p"))
+            .element("AB", element("absolute").cord("in", "u"));
+        built(builder)
+    };
+    for (value, wanted) in [(2.0, 1.0), (-2.0, -1.0), (0.0, 1.0)] {
+        assert_eq!(derivatives(&rectified(value), 1e-2, 0.1, "AB", &["p"]), [wanted], "{value}");
+    }
+}

@@ -93,4 +93,10 @@ fn unknown_parameters_are_told() {
     machine.differentiate(&["g"]).unwrap();
     assert!(machine.sensitivity("B1", "e").unwrap_err().to_string().contains("none is carried along"));
     assert!(machine.sensitivity("B9", "g").is_err());
+    // A signal in its own unit, an element in volts: 0.02 m a volt.
+    machine.operate(0.3).unwrap();
+    let [height, volts] = ["height", "B1"].map(|name| machine.sensitivity(name, "g").unwrap());
+    assert!((height + 0.5 * 0.09).abs() < 1e-12 && (volts - height / 0.02).abs() < 1e-9, "{height} {volts}");
+    let states = machine.state_sensitivities("g").unwrap();
+    assert!((states[1] + volts).abs() < 1e-12 && states.len() == 2, "{states:?}");
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::line::Line;
-use crate::program::{Beside, Program, Slopes};
+use crate::program::{Beside, Probe, Program, Slopes};
 use crate::solve::delay_line::DelayLine;
 use crate::solve::machine::Machine;
 use crate::solve::stride::{Curve, combined};
@@ -215,6 +215,14 @@ impl Column {
         for (slope, kept) in self.kept.iter_mut().zip(&program.kept) {
             *slope = self.registers[kept.next.index()];
         }
+    }
+
+    /// The derivative of a signal, in its unit per declared unit of the parameter, from its voltage and that one's slope.
+    pub fn derivative(&self, machine: &Machine<'_>, probe: &Probe, [volts, slope]: [f64; 2]) -> f64 {
+        let coefficient = |index: u32| (machine.coefficient(index), self.coefficients[index as usize]);
+        let (per_volt, change) = probe.per_volt.map_or((1.0, 0.0), coefficient);
+        let unit = self.size / machine.program.parameters[self.parameter].per_unit;
+        (slope * per_volt + volts * change) / probe.per_unit / unit
     }
 
     /// Whether everything that it goes on from is a number.

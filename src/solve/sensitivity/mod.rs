@@ -64,30 +64,14 @@ impl Sensitivities {
         self.columns.len()
     }
 
-    /// The slopes of every voltage of now by the parameter of this place.
-    pub fn now(&self, place: usize) -> &[f64] {
-        &self.columns[place].registers
-    }
-
-    /// Those of the voltages last looked back at.
-    pub fn then(&self, place: usize) -> &[f64] {
-        &self.columns[place].trial_registers
-    }
-
-    /// The derivative of a signal, in its unit per declared unit of the parameter, from voltage and slope.
-    pub fn derivative(
-        &self,
-        place: usize,
-        (machine, probe): (&Machine<'_>, &Probe),
-        volts: f64,
-        slope: f64,
-    ) -> f64 {
-        let column = &self.columns[place];
-        let (per_volt, change) = probe
-            .per_volt
-            .map_or((1.0, 0.0), |index| (machine.coefficient(index), column.coefficients[index as usize]));
-        let per_unit = machine.program.parameters[column.parameter].per_unit;
-        (slope * per_volt + volts * change) / probe.per_unit / column.size * per_unit
+    /// The derivative of a signal by the parameter of this place, now or where the machine was last looked back at.
+    pub fn derivative(&self, place: usize, probe: &Probe, machine: &Machine<'_>, is_now: bool) -> f64 {
+        let (column, at) = (&self.columns[place], probe.register.index());
+        let pair = match is_now {
+            true => [machine.registers[at], column.registers[at]],
+            false => [machine.trial_registers[at], column.trial_registers[at]],
+        };
+        column.derivative(machine, probe, pair)
     }
 
     /// The slopes of the coefficients where those of the parameters are new.
@@ -120,16 +104,16 @@ impl Machine<'_> {
         self.initial_condition()
     }
 
-    /// The derivative of an element's voltage, in volts per declared unit of a parameter.
+    /// The derivative of a signal, drive or element here and now, in its unit per declared unit of a parameter, as it
+    /// would be recorded.
     ///
     /// # Errors
-    /// When there is no such element, or no derivative by the parameter is carried along.
-    pub fn sensitivity(&self, element: &str, parameter: &str) -> Result<f64, RunError> {
-        let index = self.program.element(element);
-        let index = index.ok_or_else(|| RunError::UnknownElement(element.to_owned()))?;
-        let column = self.column(parameter)?;
-        let slope = column.registers[self.program.elements[index].register.index()];
-        Ok(slope / column.size * self.program.parameters[column.parameter].per_unit)
+    /// When there is no such signal, or no derivative by the parameter is carried along.
+    pub fn sensitivity(&self, signal: &str, parameter: &str) -> Result<f64, RunError> {
+        let probe = self.program.signals.iter().find(|probe| probe.name == signal);
+        let probe = probe.ok_or_else(|| RunError::UnknownSignal(signal.to_owned()))?;
+        let (column, at) = (self.column(parameter)?, probe.register.index());
+        Ok(column.derivative(self, probe, [self.registers[at], column.registers[at]]))
     }
 
     /// The derivatives of the states, in volts per declared unit of a parameter, in the order of
@@ -139,8 +123,8 @@ impl Machine<'_> {
     /// When no derivative by the parameter is carried along.
     pub fn state_sensitivities(&self, parameter: &str) -> Result<Vec<f64>, RunError> {
         let column = self.column(parameter)?;
-        let per_unit = self.program.parameters[column.parameter].per_unit;
-        Ok(column.states.iter().map(|slope| slope / column.size * per_unit).collect())
+        let unit = column.size / self.program.parameters[column.parameter].per_unit;
+        Ok(column.states.iter().map(|slope| slope / unit).collect())
     }
 
     fn column(&self, parameter: &str) -> Result<&Column, RunError> {
