@@ -14,6 +14,7 @@ mod signals;
 
 use std::collections::BTreeSet;
 
+use indexmap::IndexSet;
 use petgraph::Direction;
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef as _;
@@ -22,6 +23,7 @@ use crate::elements::Kind;
 use crate::machines::{Machine, Part};
 use crate::patch::{
     Amount, Diagnostic, Formula, Parameter, Patch, PictureSpec, Placed, Report, RunPlan, Span, Unit,
+    derivative_of,
 };
 
 pub use scaling::ScalingRow;
@@ -236,10 +238,21 @@ impl Circuit {
         names
     }
 
-    /// Names of the signals that the patch's pictures show.
+    /// Names of the signals that the patch's pictures show, or derivatives of.
     pub fn pictured(&self) -> impl Iterator<Item = String> + '_ {
+        let signal = |name: &str| derivative_of(name).map_or(name, |(signal, _)| signal).to_owned();
+        self.shown().filter(|name| *name != "t").map(signal)
+    }
+
+    /// Names of the parameters by which the patch's pictures show derivatives, each once.
+    pub fn differentiated(&self) -> Vec<String> {
+        let parameters = self.shown().filter_map(|name| Some(derivative_of(name)?.1.to_owned()));
+        parameters.collect::<IndexSet<_>>().into_iter().collect()
+    }
+
+    fn shown(&self) -> impl Iterator<Item = &str> {
         let shown = self.patch.pictures.iter().flat_map(|picture| picture.y.iter().chain([&picture.x]));
-        shown.filter(|name| name.value != "t").map(|name| name.value.clone())
+        shown.map(|name| name.value.as_str())
     }
 
     /// Unit of a signal: its text, and what it is in SI.

@@ -8,7 +8,7 @@ use super::SignalPoint;
 use super::names::{found_or_told, outlets};
 use super::resolve::{Graph, find_scale};
 use crate::elements::Family;
-use crate::patch::{Code, Diagnostic, Patch, Placed};
+use crate::patch::{Code, Diagnostic, Patch, Placed, derivative_of, derivative_unit};
 
 /// Everything that can be recorded (signals, then drives, then elements), and what the patch records.
 pub(super) fn resolve(
@@ -101,13 +101,11 @@ impl<'a> Recordable<'a> {
 
     fn pictures(&self, findings: &mut Vec<Diagnostic>) {
         for picture in &self.patch.pictures {
-            if picture.x.value != "t" {
-                self.find(&picture.x, findings);
-            }
+            self.unit_shown(&picture.x, findings);
             let shown = picture.y.iter().filter_map(|name| self.unit_shown(name, findings));
-            let units: BTreeSet<&str> = shown.collect();
+            let units: BTreeSet<String> = shown.collect();
             if units.len() > 2 {
-                let told: Vec<_> = units.iter().copied().collect();
+                let told: Vec<_> = units.iter().map(String::as_str).collect();
                 let (count, told) = (units.len(), told.join(", "));
                 let message = format!("the picture shows {count} units, {told}, and has two axes for them");
                 let hint = "draw a second picture";
@@ -116,12 +114,26 @@ impl<'a> Recordable<'a> {
         }
     }
 
-    /// The unit of a signal that a picture shows.
-    fn unit_shown(&self, name: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<&str> {
+    /// The unit of what a picture shows: time, a signal, or the derivative of one by a parameter.
+    fn unit_shown(&self, name: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<String> {
         if name.value == "t" {
-            return Some("s");
+            return Some("s".to_owned());
         }
-        let point = &self.points[self.find(name, findings)?];
-        Some(point.scale.map_or("V", |scale| self.patch.scales[scale].unit.text()))
+        let Some((signal, parameter)) = derivative_of(&name.value) else { return self.unit(name, findings) };
+        let part = |value: &str| Placed { value: value.to_owned(), span: name.span };
+        let (of, by) = (self.unit(&part(signal), findings), self.parameter_unit(&part(parameter), findings));
+        Some(derivative_unit(&of?, by?))
+    }
+
+    fn unit(&self, signal: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<String> {
+        let point = &self.points[self.find(signal, findings)?];
+        Some(point.scale.map_or("V", |scale| self.patch.scales[scale].unit.text()).to_owned())
+    }
+
+    fn parameter_unit(&self, name: &Placed<String>, findings: &mut Vec<Diagnostic>) -> Option<&str> {
+        let found = self.patch.parameters.get(&name.value).map(|parameter| parameter.unit.text());
+        let message = || format!("there is no parameter {}", name.value);
+        let known = || self.patch.parameters.keys().map(String::as_str).collect();
+        found_or_told(self.patch, name, found, message, known, findings)
     }
 }

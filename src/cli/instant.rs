@@ -57,7 +57,8 @@ impl InstantOption {
         let plan = if is_plain { RunPlan { duration, ..plan.clone() } } else { plan.clone() };
         let settings = RunSettings::new(&plan, circuit).map_err(|error| self.refused(&error))?;
         let settings = if is_plain { settings.lasting(seconds) } else { settings };
-        let settings = RunSettings { every: settings.duration(), record: vec![], ..settings };
+        let (every, record, sensitivities) = (settings.duration(), vec![], vec![]);
+        let settings = RunSettings { every, record, sensitivities, ..settings };
         settings.check().map_err(|error| self.refused(&error))?;
         Ok(settings)
     }

@@ -157,11 +157,18 @@ impl Arguments {
         Ok(once(record))
     }
 
-    /// The parameters by which to differentiate.
+    /// The parameters by which to differentiate, and those of the pictures if they are drawn.
     fn parameters(&self, circuit: &Circuit) -> Result<Vec<String>, Failure> {
         let known: Vec<&str> = circuit.parameters().map(|(name, ..)| name).collect();
         match self.sensitivity.iter().find(|name| !known.contains(&name.as_str())) {
-            None => Ok(once(self.sensitivity.clone())),
+            None => {
+                let shown = if self.record.is_empty() || self.files.draw() {
+                    circuit.differentiated()
+                } else {
+                    vec![]
+                };
+                Ok(once(self.sensitivity.iter().cloned().chain(shown).collect()))
+            }
             Some(name) => {
                 let hint = patchcord::patch::suggestion(name, &known).unwrap_or_default();
                 Err(Failure::usage(format!("there is no parameter {name} to differentiate by; {hint}")))

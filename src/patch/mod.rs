@@ -7,6 +7,7 @@ mod decode;
 mod decode_curve;
 mod decode_entry;
 mod decode_run;
+mod derivative;
 mod diagnostic;
 mod document;
 mod fields;
@@ -41,6 +42,7 @@ pub use phase::{Change, Phase, Until};
 pub use schema::json_schema;
 pub use units::{Dimension, Unit, UnitError, engineering};
 
+pub(crate) use derivative::{derivative_name, derivative_of, derivative_unit};
 pub(crate) use diagnostic::{any_error, behind, outside, told};
 pub(crate) use misfit::{in_formula, misfit};
 pub(crate) use names::{TIME_SCALE, outlet_name, quantity_name, same_name};

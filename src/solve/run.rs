@@ -40,7 +40,7 @@ impl RunSettings {
         RunSettings::new(circuit.run_plan(), circuit)
     }
 
-    /// What a plan asks for; recorded is what the patch records and what its pictures show.
+    /// What a plan asks for; recorded is what the patch records and what its pictures show, derivatives too.
     ///
     /// # Errors
     /// When the plan does not say how long to run, or neither with which step nor to which tolerance.
@@ -59,7 +59,7 @@ impl RunSettings {
             every: plan.every.as_ref().map_or(step, |placed| placed.value),
             hold_on_overload: plan.hold_on_overload,
             record: circuit.recorded(),
-            sensitivities: Vec::new(),
+            sensitivities: circuit.differentiated(),
         })
     }
 

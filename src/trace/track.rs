@@ -1,5 +1,7 @@
 //! One recorded signal.
 
+use crate::patch::{derivative_name, derivative_unit};
+
 /// One recorded signal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track {
@@ -62,9 +64,8 @@ impl Track {
     /// The track of a derivative of this one, on which nothing is recorded yet.
     pub fn differentiated(&self, parameter: impl Into<String>, value: f64, unit: impl Into<String>) -> Self {
         let (parameter, unit, signal) = (parameter.into(), unit.into(), self.name.clone());
-        let name = format!("d {signal} / d {parameter}");
-        let derivative = Some(Derivative { signal, parameter, value, unit: unit.clone() });
-        Track { derivative, ..Track::new(name, per(&self.unit, &unit), 1.0) }
+        let track = Track::new(derivative_name(&signal, &parameter), derivative_unit(&self.unit, &unit), 1.0);
+        Track { derivative: Some(Derivative { signal, parameter, value, unit }), ..track }
     }
 
     /// The samples in physical units.
@@ -88,19 +89,6 @@ impl Track {
     }
 }
 
-/// One unit divided by another.
-fn per(unit: &str, by: &str) -> String {
-    let bracketed = |unit: &str, marks: &[char]| match unit.contains(marks) {
-        true => format!("({unit})"),
-        false => unit.to_owned(),
-    };
-    match (unit.trim(), by.trim()) {
-        (unit, "" | "1") => unit.to_owned(),
-        ("", by) => per("1", by),
-        (unit, by) => format!("{}/{}", bracketed(unit, &['/']), bracketed(by, &['/', ' ', '*', '·'])),
-    }
-}
-
 impl Course {
     fn goes_on(&mut self, moment: Moment) {
         self.end = moment.volts;
@@ -109,27 +97,6 @@ impl Course {
         }
         if moment.volts > self.most.volts {
             self.most = moment;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn units_of_derivatives_can_be_read() {
-        let unit = |unit: &str, by: &str| Track::new("y", unit, 1.0).differentiated("p", 1.0, by).unit;
-        for (of, by, wanted) in [
-            ("m/s", "kg", "(m/s)/kg"),
-            ("m/s", "N s/m", "(m/s)/(N s/m)"),
-            ("V", "1", "V"),
-            ("1", "m", "1/m"),
-            ("", "m", "1/m"),
-            ("m/s", "", "m/s"),
-        ] {
-            assert_eq!(unit(of, by), wanted);
-            assert!(crate::patch::Unit::parse(wanted).is_ok(), "{wanted}");
         }
     }
 }

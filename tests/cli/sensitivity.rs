@@ -88,3 +88,20 @@ fn a_derivative_that_ends_stops_the_run_with_what_it_has() {
     assert!(told.contains("the files hold the run up to t = "), "{told}");
     assert!(fs::read_to_string(&csv).unwrap().lines().count() > 90);
 }
+
+#[test]
+fn a_patch_may_show_derivatives_in_its_own_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let (patch, csv, svg) =
+        (path(&folder, "ball.json"), path(&folder, "ball.csv"), path(&folder, "ball.svg"));
+    let text = fs::read_to_string("tests/patches/bouncing-ball.json").unwrap();
+    fs::write(&patch, text.replace(r#""y": ["height"]"#, r#""y": ["height", "d velocity / d e"]"#)).unwrap();
+    assert_eq!(code(&patchcord(&["check", &patch])), 0);
+    let ran = patchcord(&["run", &patch, "--csv", &csv, "--plot", &svg]);
+    assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""));
+    let columns = "\nt,height,velocity,d height / d e,d velocity / d e\n";
+    assert!(fs::read_to_string(&csv).unwrap().contains(columns));
+    assert!(fs::read_to_string(&svg).unwrap().contains("d velocity / d e (right)"));
+    let without = json(&patchcord(&["run", &patch, "--record", "height", "--json"]));
+    assert_eq!(without["sensitivities"], serde_json::json!([]));
+}
