@@ -64,8 +64,10 @@ pub fn sensitivity_pictures(trace: &Trace, note: Option<&str>) -> Result<Vec<Pic
     let weighed = signals.map(|signal| (signal, weighed(trace, signal)));
     let drawn = weighed.filter(|(_, trace)| !trace.tracks.is_empty()).map(|(signal, trace)| {
         let drawn = picture(&trace, &spec(&signal.name, &trace), note.map(str::to_owned))?;
-        let vertical = Axis { label: format!("p d {} / d p", signal.name), ..drawn.vertical };
-        Ok(Picture { vertical, ..drawn })
+        // The names of several stand above.
+        let several = drawn.channels.len() > 1;
+        let label = if several { format!("p d {} / d p", signal.name) } else { drawn.vertical.label };
+        Ok(Picture { vertical: Axis { label, ..drawn.vertical }, ..drawn })
     });
     drawn.collect()
 }

@@ -98,8 +98,8 @@ impl Machine<'_> {
             let mut own = Sensitivities::new(self.program, self.method, &found);
             own.follow(self.program, &self.parameters);
             own.columns.iter_mut().for_each(|column| column.lines = self.lines_of(&column.coefficients));
+            own.columns.iter().try_for_each(|column| self.check_column(column))?;
             self.sensitivities = Some(Box::new(own));
-            self.check_differentiable()?;
         }
         self.initial_condition()
     }
