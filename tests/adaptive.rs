@@ -4,7 +4,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use common::{built, element, order, patch, play, program, relay_and_lag, slideway, voltage, volts};
+use common::{built, element, order, patch, play, program, slideway, voltage, volts};
 use patchcord::program::Program;
 use patchcord::solve::{Machine, RunError, RunSettings, run};
 
@@ -49,16 +49,6 @@ fn half_swings_about_a_dead_zone_are_right_to_the_tolerance() {
     let gone = since % half - 20.0 / 30.0;
     assert!(((since / half) as u32).is_multiple_of(2) && gone > 0.0, "the last instant is a positive swing");
     assert_within_tolerance(&play(), "A2", 10.0 + 15.0 * (2.0 * gone).sin());
-}
-
-#[test]
-fn switchings_of_a_relay_are_right_to_the_tolerance() {
-    // From 0 to the first threshold, then half periods between them.
-    let (half, first) = ((80.0f64 / 20.0).ln(), (50.0f64 / 20.0).ln());
-    let halves = ((LENGTH - first) / half).floor();
-    let sign = if halves % 2.0 == 0.0 { -1.0 } else { 1.0 };
-    let expected = sign * (50.0 - 80.0 * (-(LENGTH - first - halves * half)).exp());
-    assert_within_tolerance(&relay_and_lag(), "A1", expected);
 }
 
 #[test]

@@ -1,10 +1,11 @@
-//! The order of convergence: 4 on smooth patches, and 4 where smooth stretches are joined by located changes.
+//! The order of convergence: 4 on smooth patches, and 4 where smooth stretches are joined by located changes; that of the
+//! problems with known solutions is looked at in tests/problems.rs.
 
 mod common;
 
 use std::f64::consts::TAU;
 
-use common::{built, element, order, play, program, ran, relay_and_lag, root, slideway, voltage, volts};
+use common::{built, element, order, play, program, ran, root, slideway, voltage, volts};
 use patchcord::program::Program;
 use patchcord::solve::Machine;
 
@@ -122,35 +123,6 @@ fn bounces_joined_by_flight_with_drag() {
         .element("B1", element("summer").cords("x1", ["A2"]));
     let ball = DraggedBall { gravity: 50.0, drag: 1.0, restitution: 0.9 };
     assert_order_4(&built(builder), "B1", |time| ball.at(30.0, time).1);
-}
-
-/// A relay that drives a lag: exponentials towards +-U between the thresholds +-a, half a period
-/// ln((U + a) / (U - a)).
-#[test]
-fn relay_switching_joined_by_exponentials() {
-    let (half, first) = ((80.0f64 / 20.0).ln(), (50.0f64 / 20.0).ln());
-    assert_order_4(&relay_and_lag(), "A1", |time| {
-        let halves = ((time - first) / half).floor();
-        let sign = if halves.rem_euclid(2.0) == 0.0 { -1.0 } else { 1.0 };
-        sign * (50.0 - 80.0 * (-(time - first - halves * half)).exp())
-    });
-}
-
-/// A block on a spring under Coulomb friction: half swings about +-F/k, each smaller by 2 F/k, then at rest.
-#[test]
-fn half_swings_joined_by_a_brake() {
-    let builder = volts("block")
-        .element("PF", element("pot").cord("in", "+100").set("setting", 0.05))
-        .element("A1", element("integrator").cords("x4", ["A2"]).cords("brake_x4", ["PF"]))
-        .element("S1", element("summer").cords("x1", ["A1"]))
-        .element("A2", element("integrator").cords("x1", ["S1"]).set("initial", 42));
-    // Turning points 42, -32, 22, -12.
-    assert_order_4(&built(builder), "A2", |time| {
-        let halves = (time / (TAU / 4.0)).floor();
-        let sign = if halves.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
-        let swing = 37.0 - 10.0 * halves;
-        sign * (5.0 + swing * (2.0 * time - halves * TAU / 2.0).cos())
-    });
 }
 
 /// x'' = -4 dz(x), dz a dead zone of ±10 V: level flight at 30 V/s between half swings of 15 V.

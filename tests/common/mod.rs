@@ -57,25 +57,6 @@ pub fn source(builder: PatchBuilder, name: &str, height: f64) -> PatchBuilder {
     builder.drive(name, "volt", element("step").set("height", height))
 }
 
-/// A lag A1 driven to +-50 V by a relay with thresholds of +-30 V, from 0 V: exponentials between the thresholds, half a
-/// period ln(80 / 20).
-pub fn relay_and_lag() -> Program {
-    let builder = volts("relay and lag")
-        .element("P1", element("pot").cord("in", "+100").set("setting", 0.5))
-        .element("P2", element("pot").cord("in", "-100").set("setting", 0.5))
-        .element(
-            "K1",
-            element("relay")
-                .cord("in", "A1")
-                .cord("on", "P1")
-                .cord("off", "P2")
-                .set("pull_in", 30)
-                .set("drop_out", -30),
-        )
-        .element("A1", element("integrator").cords("x1", ["K1", "A1"]));
-    built(builder)
-}
-
 /// A2'' = -4 dz(A2), dz a dead zone of +-10 V, from 0 V upward: level flight at 30 V/s between half swings of 15 V.
 pub fn play() -> Program {
     let builder = volts("play")
