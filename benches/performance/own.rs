@@ -1,0 +1,94 @@
+//! patchcord's own runs of Fig 8.16.
+
+use std::path::Path;
+
+use patchcord::circuit::Circuit;
+use patchcord::patch::Patch;
+use patchcord::program::Program;
+use patchcord::solve::{self, RunSettings};
+use patchcord::trace::Trace;
+
+use crate::Outcome;
+use crate::clock::timed;
+
+/// A way of running a program: its name, and how it is asked for.
+pub type Backend = (&'static str, fn(RunSettings) -> RunSettings);
+
+/// Every way that there is.
+pub const BACKENDS: [Backend; 1] = [("interpreter", |settings| settings)];
+
+/// How long a step is chosen.
+#[derive(Debug, Clone, Copy)]
+pub enum Steps {
+    Equal(f64),
+    Tolerance(f64),
+}
+
+/// The circuit and its program.
+pub struct Fig816 {
+    pub program: Program,
+    settings: RunSettings,
+}
+
+/// The peak-scaled error is looked at over this time, in seconds.
+pub const COMPARED: f64 = 2.0;
+/// Samples in it, every 1 ms.
+pub const SAMPLES: usize = 2000;
+/// Steps of the reference, in seconds.
+pub const REFERENCE: f64 = 2.5e-6;
+
+impl Fig816 {
+    pub fn read() -> Outcome<Fig816> {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("patches/thesis/fig-8-16.json");
+        let circuit = Circuit::new(&Patch::read(&file)?, &[])?;
+        let settings = RunSettings::of(&circuit)?;
+        Ok(Fig816 { program: Program::new(&circuit)?, settings })
+    }
+
+    /// The whole run as the patch asks for it, with these steps.
+    pub fn settings(&self, steps: Steps) -> RunSettings {
+        let settings = self.settings.clone();
+        match steps {
+            Steps::Equal(step) => RunSettings { step, ..settings },
+            Steps::Tolerance(tolerance) => RunSettings { tolerance: Some(tolerance), ..settings },
+        }
+    }
+
+    /// Seconds that a run takes, and its record.
+    pub fn run(&self, settings: &RunSettings) -> Outcome<(f64, Trace)> {
+        ran(&self.program, settings)
+    }
+
+    /// Output velocity over the first seconds, recorded alone.
+    pub fn compared(&self, steps: Steps) -> RunSettings {
+        RunSettings { record: vec!["v_o".to_owned()], ..self.settings(steps).lasting(COMPARED) }
+    }
+
+    /// The output velocity that all are compared with.
+    pub fn reference(&self) -> Outcome<Vec<f64>> {
+        let (_, trace) = self.run(&self.compared(Steps::Equal(REFERENCE)))?;
+        // At the last instant itself some libraries give no number that could be used.
+        Ok(velocity(&trace)[..SAMPLES].to_vec())
+    }
+}
+
+/// Seconds that a run of any program takes, and its record.
+pub fn ran(program: &Program, settings: &RunSettings) -> Outcome<(f64, Trace)> {
+    let (seconds, trace) = timed(|| solve::run(program, settings));
+    Ok((seconds, trace?))
+}
+
+/// Output velocity of a record.
+pub fn velocity(trace: &Trace) -> Vec<f64> {
+    trace.values("v_o").unwrap_or_default()
+}
+
+/// The largest difference as a share of the reference's peak; what is longer is not looked at.
+pub fn error(found: &[f64], reference: &[f64]) -> f64 {
+    let peak = reference.iter().fold(0.0f64, |peak, value| peak.max(value.abs()));
+    found.iter().zip(reference).fold(0.0f64, |worst, (one, other)| {
+        let off = (one - other).abs();
+        // A solver that gave no number is as wrong as can be.
+        if off.is_nan() { f64::INFINITY } else { worst.max(off) }
+    }) / peak
+}

@@ -1,0 +1,158 @@
+//! 1000 runs of 2 s, VcL 1.27 ... 25.4 mm/s by Tc 6 ... 25 ms: how many a second, each solver at the largest step at which
+//! 95 % of the runs are right to 1e-5 of their peak velocity.
+
+use std::io;
+use std::thread;
+
+use patchcord::instruments::Measure;
+use patchcord::solve;
+use patchcord::sweep::{Axis, Plan, Sweep};
+
+use crate::Outcome;
+use crate::clock::{shortest, three, timed, told};
+use crate::own::{self, BACKENDS, Backend, Fig816, SAMPLES, Steps};
+use crate::page;
+use crate::peers::{Peers, RUNS};
+
+/// The share of the runs that has to be right, and to what.
+const SHARE: f64 = 0.95;
+const WANTED: f64 = 1e-5;
+/// Every so many-th run is looked at while a step is looked for.
+const THINNED: usize = 10;
+/// Steps of the reference, in seconds.
+const REFERENCE: f64 = 5e-6;
+
+pub fn table(peers: &Peers, fig: &Fig816, quick: bool) -> Outcome<String> {
+    let reference = peers.c_swept("fig_8_16_located", REFERENCE)?.velocity;
+    let mut rows = Vec::new();
+    let plain =
+        c_row(peers, "fig_8_16", "C, kinks stepped over", &[100, 120, 140, 160, 200, 250, 300], &reference)?;
+    let base = plain.seconds;
+    let located =
+        c_row(peers, "fig_8_16_located", "C, kinks located", &[10, 12, 16, 20, 25, 30, 40], &reference)?;
+    for found in [plain, located] {
+        rows.push(found.row(base, None));
+    }
+    for backend in BACKENDS {
+        let step = step_of(fig, backend, &reference)?;
+        let one = swept(fig, backend, step, 1, quick)?;
+        let two = swept(fig, backend, step, 2, quick)?;
+        let thinned = if quick { THINNED } else { 1 };
+        let share = share_right(fig, backend, step, &reference, thinned)?;
+        for (threads, seconds) in [(1, one), (2, two)] {
+            let name =
+                format!("patchcord, {}, {threads} thread{}", backend.0, if threads == 1 { "" } else { "s" });
+            rows.push(Found { name, step, share, seconds }.row(base, Some(one)));
+        }
+    }
+    let head = [
+        "",
+        "step",
+        "right to 1e-5",
+        "1000 runs",
+        "runs a second",
+        "times C's throughput",
+        "times one thread's",
+    ];
+    Ok(page::table(&head, &rows))
+}
+
+/// A solver at its step.
+struct Found {
+    name: String,
+    step: f64,
+    share: f64,
+    seconds: f64,
+}
+
+impl Found {
+    fn row(&self, base: f64, one_thread: Option<f64>) -> Vec<String> {
+        vec![
+            self.name.clone(),
+            format!("{:.1} µs", self.step * 1e6),
+            format!("{:.1} %", self.share * 100.0),
+            told(self.seconds),
+            format!("{:.0}", RUNS as f64 / self.seconds),
+            three(base / self.seconds),
+            one_thread.map_or(String::new(), |one| three(one / self.seconds)),
+        ]
+    }
+}
+
+/// The share of runs that are right to what is wanted.
+fn right<'a>(runs: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> f64 {
+    let errors: Vec<f64> = runs.map(|(found, reference)| own::error(found, reference)).collect();
+    errors.iter().filter(|error| **error <= WANTED).count() as f64 / errors.len() as f64
+}
+
+/// A C program with the fewest steps a millisecond that do.
+fn c_row(peers: &Peers, stem: &str, name: &str, ladder: &[u32], reference: &[f64]) -> Outcome<Found> {
+    for per_row in ladder {
+        let step = 1e-3 / f64::from(*per_row);
+        let solved = peers.c_swept(stem, step)?;
+        let share = right(solved.velocity.chunks(SAMPLES).zip(reference.chunks(SAMPLES)));
+        if share >= SHARE {
+            let seconds = shortest(2, || Ok(peers.c_swept(stem, step)?.seconds))?.min(solved.seconds);
+            return Ok(Found { name: name.to_owned(), step, share, seconds });
+        }
+    }
+    Err(format!("{name}: no step is right enough").into())
+}
+
+fn step_of(fig: &Fig816, backend: Backend, reference: &[f64]) -> Outcome<f64> {
+    for per_row in [10, 12, 16, 20, 25, 30, 40] {
+        let step = 1e-3 / f64::from(per_row);
+        if share_right(fig, backend, step, reference, THINNED)? >= SHARE {
+            return Ok(step);
+        }
+    }
+    Err("no step is right enough".into())
+}
+
+fn values(run: usize) -> [(&'static str, f64); 2] {
+    let along = |low: f64, high: f64, index: usize, count: usize| {
+        low + (high - low) * index as f64 / (count - 1) as f64
+    };
+    [("VcL", along(1.27e-3, 25.4e-3, run / 25, 40)), ("Tc", along(6e-3, 25e-3, run % 25, 25))]
+}
+
+/// Every so many-th run held against the reference, on two threads.
+fn share_right(fig: &Fig816, backend: Backend, step: f64, reference: &[f64], thinned: usize) -> Outcome<f64> {
+    let chosen: Vec<usize> = (0..RUNS).step_by(thinned).collect();
+    let velocities = thread::scope(|scope| {
+        let halves = chosen.chunks(chosen.len().div_ceil(2));
+        let threads: Vec<_> = halves
+            .map(|runs| {
+                scope.spawn(move || {
+                    runs.iter().map(|run| velocity(fig, backend, step, *run)).collect::<Vec<_>>()
+                })
+            })
+            .collect();
+        threads.into_iter().flat_map(|thread| thread.join().unwrap_or_default()).collect::<Vec<_>>()
+    });
+    let expected = chosen.iter().map(|run| &reference[run * SAMPLES..(run + 1) * SAMPLES]);
+    Ok(right(velocities.iter().map(Vec::as_slice).zip(expected)))
+}
+
+/// The output velocity of a run; nothing, which is as wrong as can be, when it had to stop.
+fn velocity(fig: &Fig816, backend: Backend, step: f64, run: usize) -> Vec<f64> {
+    let mut program = fig.program.clone();
+    let settings = backend.1(fig.compared(Steps::Equal(step)));
+    let trace =
+        solve::preset(&mut program, &values(run)).ok().and_then(|()| solve::run(&program, &settings).ok());
+    trace.map_or_else(|| vec![f64::NAN; SAMPLES], |trace| own::velocity(&trace))
+}
+
+/// Seconds that the sweep takes as the command makes it, rows made and thrown away.
+fn swept(fig: &Fig816, backend: Backend, step: f64, threads: usize, quick: bool) -> Outcome<f64> {
+    let vcl = if quick { "VcL=1.27e-3:25.4e-3:4" } else { "VcL=1.27e-3:25.4e-3:40" };
+    let axes = vec![Axis::parse(vcl)?, Axis::parse("Tc=0.006:0.025:25")?];
+    let plan = Plan::new(axes, &fig.program)?;
+    let share = RUNS as f64 / plan.runs() as f64;
+    let settings = backend.1(fig.compared(Steps::Equal(step)));
+    let measures = vec![Measure::parse("peak:v_o", fig.program.signals())?];
+    let sweep = Sweep::new("fig-8-16", fig.program.clone(), settings, plan, measures)?;
+    let (seconds, outcome) = timed(|| sweep.write(&mut io::sink(), threads, &mut |_| ()));
+    outcome?;
+    Ok(seconds * share)
+}
