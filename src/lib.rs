@@ -17,12 +17,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-#![forbid(unsafe_code)]
+#![cfg_attr(not(feature = "native"), forbid(unsafe_code))]
+#![deny(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod circuit;
 pub mod elements;
+mod grid;
 pub mod instruments;
+mod kernel;
 pub mod linear;
 pub mod machines;
 pub mod output;

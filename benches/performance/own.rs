@@ -15,7 +15,15 @@ use crate::clock::timed;
 pub type Backend = (&'static str, fn(RunSettings) -> RunSettings);
 
 /// Every way that there is.
-pub const BACKENDS: [Backend; 1] = [("interpreter", |settings| settings)];
+pub const BACKENDS: [Backend; 3] = [
+    ("reference", |settings| with(settings, solve::Backend::Reference)),
+    ("interpreter", |settings| with(settings, solve::Backend::Interpreter)),
+    ("native", |settings| with(settings, solve::Backend::Native)),
+];
+
+fn with(settings: RunSettings, backend: solve::Backend) -> RunSettings {
+    RunSettings { backend, ..settings }
+}
 
 /// How long a step is chosen.
 #[derive(Debug, Clone, Copy)]

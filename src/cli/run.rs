@@ -87,7 +87,8 @@ fn watched(program: &Program, settings: &RunSettings) -> Result<Trace, Box<Stopp
 impl Arguments {
     fn settings(&self, circuit: &Circuit) -> Result<RunSettings, Failure> {
         let plan = self.plan(circuit.run_plan())?;
-        let mut settings = RunSettings::new(&plan, circuit).map_err(|error| self.refused(&error, circuit))?;
+        let settings = self.times.settings(&plan, circuit);
+        let mut settings = settings.map_err(|error| self.refused(&error, circuit))?;
         if !self.record.is_empty() {
             settings.record = self.recorded(circuit)?;
         }

@@ -17,7 +17,6 @@ use patchcord::circuit::Circuit;
 use patchcord::instruments::{Measure, measures};
 use patchcord::output::destination;
 use patchcord::program::Program;
-use patchcord::solve::RunSettings;
 use patchcord::sweep::{Axis, JournalError, Plan, PlanError, Sweep, SweepError, Tally};
 
 #[derive(Args)]
@@ -103,7 +102,7 @@ impl Arguments {
         let measures = self.measure.iter().map(|text| Measure::parse(text, program.signals()));
         let measures = measures.collect::<Result<Vec<_>, _>>();
         let measures = measures.map_err(|error| Failure::usage(error.to_string()))?;
-        let settings = RunSettings::new(&self.times.plan(circuit.run_plan()), circuit);
+        let settings = self.times.settings(&self.times.plan(circuit.run_plan()), circuit);
         let settings = settings.map_err(|error| refused(&error, circuit, self.times.is_to_blame(&error)))?;
         let name = self.patch.patch.file_name().unwrap_or_default().to_string_lossy();
         Sweep::new(&name, program, settings, plan, measures).map_err(|error| self.unmade(error, circuit))

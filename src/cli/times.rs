@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::failure::Failure;
 use patchcord::circuit::Circuit;
 use patchcord::patch::{Placed, RunPlan, Span};
-use patchcord::solve::{RunError, RunSettings, TimeSetting};
+use patchcord::solve::{Backend, RunError, RunSettings, TimeSetting};
 
 #[derive(Args)]
 pub(super) struct TimeArguments {
@@ -22,6 +22,17 @@ pub(super) struct TimeArguments {
     /// Time between recorded samples, in problem seconds
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     every: Option<f64>,
+    /// What works the steps out: automatic, interpreter, native, or the reference; all but the last give the same bits
+    #[arg(long, value_name = "BACKEND", value_parser = backend, default_value_t)]
+    backend: Backend,
+}
+
+fn backend(text: &str) -> Result<Backend, String> {
+    let names = || Backend::ALL.map(Backend::name).join(", ");
+    Backend::ALL
+        .into_iter()
+        .find(|backend| backend.name() == text)
+        .ok_or_else(|| format!("there are {}", names()))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -73,6 +84,14 @@ impl TimeArguments {
         };
         plan.every = self.every.map(given).or(plan.every);
         plan
+    }
+
+    /// How a plan is run.
+    ///
+    /// # Errors
+    /// Those of [`RunSettings::new`].
+    pub fn settings(&self, plan: &RunPlan, circuit: &Circuit) -> Result<RunSettings, RunError> {
+        Ok(RunSettings { backend: self.backend, ..RunSettings::new(plan, circuit)? })
     }
 
     /// Whether an error comes from these options rather than from the patch.

@@ -213,6 +213,12 @@ impl Function {
         TABLE.iter().map(|entry| entry.function)
     }
 
+    /// The function at this place of the enumeration.
+    #[cfg(feature = "native")]
+    pub(crate) fn at(place: usize) -> Self {
+        TABLE[place].function
+    }
+
     /// The function of this name, if there is one. Upper and lower case differ.
     pub fn named(name: &str) -> Option<Self> {
         Self::all().find(|function| function.name() == name)

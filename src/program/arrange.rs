@@ -98,7 +98,9 @@ impl Program {
         for entry in &mut self.loops {
             [&mut entry.tear, &mut entry.result].into_iter().for_each(renumbered);
         }
-        self.lamps.iter_mut().for_each(|lamp| renumbered(&mut lamp.demand));
+        for lamp in &mut self.lamps {
+            [&mut lamp.demand, &mut lamp.output].into_iter().for_each(renumbered);
+        }
         self.signals.iter_mut().for_each(|probe| renumbered(&mut probe.register));
     }
 }

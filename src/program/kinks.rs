@@ -40,7 +40,7 @@ impl Kink {
         let [from, to] = [before, after].map(|registers| self.surface.value(registers));
         let rises = to > from;
         let place = match self.surface {
-            Surface::Points { table, .. } => first_corner(&tables[table as usize], from, rises)?,
+            Surface::Points { table, .. } => next_corner(&tables[table as usize], from, rises)?,
             _ => 0.0,
         };
         let crossing = Crossing { surface: self.surface, place, rises };
@@ -82,8 +82,8 @@ impl Surface {
     }
 }
 
-/// The abscissa of the first point beyond a place.
-fn first_corner(points: &[[f64; 2]], from: f64, rises: bool) -> Option<f64> {
+/// The abscissa of the next point above or below a place.
+pub(crate) fn next_corner(points: &[[f64; 2]], from: f64, rises: bool) -> Option<f64> {
     let point = if rises {
         points.get(points.partition_point(|point| point[0] <= from + ON_THE_KINK))
     } else {

@@ -104,8 +104,9 @@ impl<'c> Lowering<'c> {
         let kind = self.circuit.element(element).kind;
         let mut register = (kind.output_law)(self);
         if matches!(kind.output, Output::Amplifier | Output::OpenAmplifier) {
-            self.program.lamps.push(Lamp { element, demand: register });
-            register = self.clip(register);
+            let output = self.clip(register);
+            self.program.lamps.push(Lamp { element, demand: register, output });
+            register = output;
         }
         if kind.family == Family::Drive {
             self.program.drives.push(register);

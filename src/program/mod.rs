@@ -36,9 +36,10 @@ pub use state_space::{DelayTerm, Hold, Port, StateSpace, StateTerm};
 pub(crate) use check::{remedy, tell};
 pub(crate) use coefficient::{Fault, Unfit};
 pub(crate) use evaluate::Scratch;
-pub(crate) use kinks::{Crossing, Kink, ON_THE_KINK};
+pub(crate) use kinks::{Crossing, Kink, ON_THE_KINK, next_corner};
 pub(crate) use loops::LoopFault;
 pub(crate) use noise::{Distribution, Noise};
+pub(crate) use number::Number;
 pub(crate) use op::Sources;
 pub(crate) use standing::Standing;
 pub(crate) use tangent::{Beside, Slopes, StandingSlopes};
@@ -46,6 +47,7 @@ pub(crate) use tangent::{Beside, Slopes, StandingSlopes};
 use coefficient::Order;
 use standing::ScaleSlot;
 
+use crate::kernel::Kernels;
 use crate::machines::REFERENCE;
 use crate::patch::Dimension;
 
@@ -84,6 +86,8 @@ pub struct Program {
     pub(crate) order: Vec<usize>,
     /// For every element, those that read it.
     pub(crate) readers: Vec<Vec<usize>>,
+    /// What it was folded to so far.
+    pub(crate) kernels: Kernels,
 }
 
 /// A parameter of the patch as the prologue reads it.
@@ -268,6 +272,8 @@ pub(crate) struct Lamp {
     pub element: usize,
     /// What the amplifier is asked for.
     pub demand: Register,
+    /// What it gives, within ±100 V.
+    pub output: Register,
 }
 
 /// A signal that can be recorded.

@@ -92,6 +92,7 @@ impl Machine<'_> {
     }
 
     fn follow_coefficients(&mut self) -> Result<(), RunError> {
+        self.glider.forget_factors();
         for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
             let (time, initial) =
                 (self.coefficients[delay.time as usize], self.coefficients[delay.initial as usize]);

@@ -3,11 +3,13 @@
 use super::control::Control;
 use super::delay_line::DelayLine;
 use super::error::{RunError, TimeSetting};
-use super::grid::Grid;
+use super::glide::{Flight, Glider};
 use super::noise_source::NoiseSource;
 use super::overload::{self, Lit};
 use super::sensitivity::Sensitivities;
 use super::tableau::{CLASSICAL, DORMAND_PRINCE, Tableau};
+use crate::grid::Grid;
+use crate::kernel::{Backend, Steps};
 use crate::program::{Program, Scratch, Sources};
 use crate::trace::{Overload, Work};
 
@@ -68,6 +70,7 @@ pub struct Machine<'p> {
     pub(super) pushed: Vec<f64>,
     pub(super) step: f64,
     grid: Grid,
+    pub(super) glider: Glider,
     /// How long steps are, where they are not all as long as `step`.
     pub(super) control: Option<Control>,
     /// The derivatives that are carried along, if any are.
@@ -98,6 +101,14 @@ pub(super) trait Witness {
     fn stretch(&mut self, machine: &mut Machine<'_>);
     /// The end of a stretch, after the changes of mode that were due there.
     fn arrival(&mut self, machine: &Machine<'_>);
+    /// Quiet steps were gone, the last of which may have gone past the next sample.
+    fn glided(&mut self, _: &Machine<'_>, _: &mut Flight) {}
+    /// The machine no longer glides.
+    fn landed(&mut self, _: &Flight) {}
+    /// When the next sample is due, in problem time.
+    fn next_sample(&self) -> f64 {
+        f64::INFINITY
+    }
     /// Whether the machine should go into hold, at the end of a step.
     fn has_seen_enough(&self, machine: &Machine<'_>) -> bool;
     /// Whether the machine should go into hold at this very instant.
@@ -144,6 +155,12 @@ impl<'p> Machine<'p> {
         Machine::begun(machine)
     }
 
+    /// The same machine, its steps worked out by a backend.
+    pub fn on(mut self, backend: Backend) -> Self {
+        self.glider = Glider::new(backend, Vec::new());
+        self
+    }
+
     fn begun(mut machine: Self) -> Result<Self, RunError> {
         machine.check_times()?;
         machine.initial_condition()?;
@@ -185,6 +202,7 @@ impl<'p> Machine<'p> {
             pushed: zeros(),
             step,
             grid: Grid::new(step),
+            glider: Glider::default(),
             control: None,
             sensitivities: None,
             parameters,
@@ -239,11 +257,16 @@ impl<'p> Machine<'p> {
         }
         let begin = self.time;
         let whole = self.grid.steps_in(length);
-        for step in 1..=whole {
+        let mut steps = Steps { begin, grid: self.grid, first: 1, count: whole };
+        while steps.count > 0 {
             if self.is_stopped_by(witness) {
                 return Ok(());
             }
-            self.advance(begin + self.grid.time(step), witness)?;
+            steps = steps.after(self.glide(steps, witness)?);
+            if steps.count > 0 {
+                self.advance(steps.end_of(0), witness)?;
+                steps = steps.after(1);
+            }
         }
         let end = begin + length;
         // What is left beyond the last whole step, unless it is rounding.
@@ -348,8 +371,13 @@ impl<'p> Machine<'p> {
 
     /// Works out every voltage of now, and the rates.
     pub(super) fn evaluate(&mut self) {
-        self.scratch.faults.clear();
         self.work.evaluations += 1;
+        self.work_out_now();
+    }
+
+    /// The same, not counted as work.
+    pub(super) fn work_out_now(&mut self) {
+        self.scratch.faults.clear();
         for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
             *delayed = line.from(self.time);
         }

@@ -1,9 +1,9 @@
 //! A noise voltage while the machine runs: one number after the other, on a time grid of its own.
 
 use super::error::RunError;
-use super::grid::Grid;
 use super::machine::Machine;
 use super::run::MOST_STEPS;
+use crate::grid::Grid;
 use crate::program::{Distribution, Noise, Program};
 
 /// Where a noise voltage is in its row of numbers.

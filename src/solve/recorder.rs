@@ -1,10 +1,11 @@
 //! The recorder: writes down voltages on a time grid of its own while the machine runs and holds.
 
 use super::error::RunError;
-use super::grid::Grid;
+use super::glide::Flight;
 use super::machine::{Machine, Witness};
 use super::run::RunSettings;
-use crate::program::{Probe, Program};
+use crate::grid::Grid;
+use crate::program::{Probe, Program, Register};
 use crate::trace::{Deed, Ending, Mark, Sweep, Trace, Track};
 
 /// Writes down voltages on a time grid of its own. Its clock runs on while the machine holds.
@@ -91,6 +92,11 @@ impl<'a> Recorder<'a> {
             unswitched: vec![0.0; machine.registers.len()],
             unswitched_derivatives: vec![0.0; count],
         })
+    }
+
+    /// Where what is recorded stands.
+    pub fn registers(&self) -> Vec<Register> {
+        self.probes.iter().map(|probe| probe.register).collect()
     }
 
     /// Its clock: seconds since the sweep began.
@@ -219,6 +225,15 @@ impl<'a> Recorder<'a> {
         self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(run, time, value));
     }
 
+    /// Writes down what a flight has worked out last.
+    fn write_seen(&mut self, time: f64, flight: &Flight) {
+        let run = self.trace.sweeps.len() - 1;
+        self.trace.time.push(time);
+        let values = self.trace.tracks.iter_mut().zip(flight.seen());
+        values.for_each(|(track, volts)| track.record(run, time, volts));
+        self.next += 1;
+    }
+
     /// Takes note of the voltages of now.
     fn see(&mut self, machine: &Machine<'_>) {
         let (run, time) = (self.trace.sweeps.len() - 1, self.clock(machine));
@@ -260,6 +275,41 @@ impl Witness for Recorder<'_> {
             self.next += 1;
         }
         self.tell_progress(machine);
+    }
+
+    fn next_sample(&self) -> f64 {
+        self.grid.time(self.next) - self.held
+    }
+
+    /// Writes down the instants of the grid within the last quiet step, and at its end.
+    fn glided(&mut self, machine: &Machine<'_>, flight: &mut Flight) {
+        let tables = &machine.program.tables;
+        let (clock, first) = (self.clock(machine), self.next);
+        while let Some(time) = self.next_before(clock * (1.0 - SAME)) {
+            flight.look_back(tables, time - self.held);
+            self.write_seen(time, flight);
+        }
+        if self.next > first {
+            flight.show(tables);
+        }
+        let due = self.next_before(clock * (1.0 + SAME));
+        if let Some(time) = due {
+            self.write_seen(time, flight);
+        }
+        self.is_fresh = due.is_some();
+        self.tell_progress(machine);
+    }
+
+    /// Sees what the quiet stretches went through.
+    fn landed(&mut self, flight: &Flight) {
+        let run = self.trace.sweeps.len() - 1;
+        for (track, (extremes, last)) in
+            self.trace.tracks.iter_mut().zip(flight.extremes().zip(flight.seen()))
+        {
+            let met = extremes.into_iter().flatten().filter(|(at, _)| at.is_finite());
+            met.for_each(|(at, volts)| track.see(run, at + self.held, volts));
+            track.see(run, flight.time() + self.held, last);
+        }
     }
 
     fn has_seen_enough(&self, machine: &Machine<'_>) -> bool {

@@ -1,10 +1,12 @@
 //! A whole run: how to run, whether it can be done, and its record.
 
 use super::error::{RunError, Stopped, TimeSetting};
+use super::glide::Glider;
 use super::machine::Machine;
 use super::player::{self, Player};
 use super::recorder::{Recorder, SAME};
 use crate::circuit::Circuit;
+use crate::kernel::Backend;
 use crate::patch::{Extent, Phase, RunPlan};
 use crate::program::Program;
 use crate::trace::Trace;
@@ -29,6 +31,9 @@ pub struct RunSettings {
     pub record: Vec<String>,
     /// Names of the parameters by which the derivatives of all these signals are recorded as well.
     pub sensitivities: Vec<String>,
+    /// What works the steps out. Runs with a tolerance or derivatives, and programs with delay lines or loops, are
+    /// worked out by the reference whatever it says.
+    pub backend: Backend,
 }
 
 impl RunSettings {
@@ -60,6 +65,7 @@ impl RunSettings {
             hold_on_overload: plan.hold_on_overload,
             record: circuit.recorded(),
             sensitivities: circuit.differentiated(),
+            backend: Backend::default(),
         })
     }
 
@@ -230,5 +236,6 @@ fn ready<'p, 'w>(
     let operated = Extent::of(&settings.phases).operated;
     machine.check_noise(operated)?;
     let recorder = Recorder::new(program, &machine, settings, progress)?;
+    machine.glider = Glider::new(settings.backend, recorder.registers());
     Ok(Player::new(machine, recorder, operated))
 }

@@ -1,5 +1,6 @@
 //! A step of any Runge-Kutta method, and the curve within it.
 
+use super::locate::Ahead;
 use super::machine::{Machine, Wanted};
 use super::tableau::{Share, Tableau};
 use crate::machines::REFERENCE;
@@ -21,11 +22,11 @@ impl Machine<'_> {
             self.evaluate_trial(self.time + row.at * length, wanted);
             self.keep_rates(stage + 1);
             if is_middle {
-                self.hint = self.event_ahead().is_some();
+                self.hint = self.event().is_some();
             }
         }
         self.trial_from(self.method.end, length / self.method.parts);
-        self.trial.iter_mut().filter(|volts| volts.abs() < SMALLEST).for_each(|volts| *volts = 0.0);
+        without_dust(&mut self.trial);
         self.evaluate_trial(self.time + length, Wanted::Ahead);
         self.keep_rates(self.method.rates() - 1);
     }
@@ -84,13 +85,9 @@ pub(super) struct Curve {
 impl Curve {
     /// That of a method, after a share of a stretch of this length.
     fn new(method: &Tableau, length: f64, share: f64) -> Self {
-        let rest = 1.0 - share;
-        Curve {
-            states: [(1.0 + 2.0 * share) * rest * rest, share * share * (3.0 - 2.0 * share)],
-            rates: [share * rest * rest * length, -share * share * rest * length],
-            bulge: length * (share * rest) * (share * rest),
-            shares: method.bulge,
-        }
+        let [states, rates] = cubic(length, share);
+        let middle = share * (1.0 - share);
+        Curve { states, rates, bulge: length * middle * middle, shares: method.bulge }
     }
 
     /// A state by its values at both ends and the rates of the stages, of which the last is that at the end.
@@ -101,6 +98,21 @@ impl Curve {
             + self.rates[1] * rates[rates.len() - 1][state]
             + self.bulge * combined(rates, self.shares, state)
     }
+}
+
+/// Shares of the states and of the rates at both ends of a stretch in the cubic through them (Hermite), after a share of
+/// its length.
+pub(super) fn cubic(length: f64, share: f64) -> [[f64; 2]; 2] {
+    let rest = 1.0 - share;
+    [
+        [(1.0 + 2.0 * share) * rest * rest, share * share * (3.0 - 2.0 * share)],
+        [share * rest * rest * length, -share * share * rest * length],
+    ]
+}
+
+/// States too small to matter are 0.
+pub(super) fn without_dust(states: &mut [f64]) {
+    states.iter_mut().filter(|volts| volts.abs() < SMALLEST).for_each(|volts| *volts = 0.0);
 }
 
 /// Rates of a state, each times its share.

@@ -7,7 +7,7 @@ use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use patchcord::circuit::Circuit;
 use patchcord::patch::{ElementBuilder, PatchBuilder};
 use patchcord::program::Program;
-use patchcord::solve::{self, Phase, RunError, RunSettings};
+use patchcord::solve::{self, Backend, Phase, RunError, RunSettings};
 use proptest::prelude::*;
 
 use crate::bench::{bench_drive, drive_stops_at_100_volts, near, out, waits_in_hold};
@@ -258,6 +258,7 @@ fn a_grid_beyond_reason_cannot_be_set_within_a_run() {
         hold_on_overload: false,
         record,
         sensitivities: vec![],
+        backend: Backend::default(),
     };
     let stopped = solve::run(&program, &settings).unwrap_err();
     assert!(

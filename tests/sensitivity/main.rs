@@ -4,6 +4,7 @@
 mod common;
 
 mod bench;
+mod circuits;
 mod closed;
 #[allow(dead_code, reason = "this binary takes what it needs")]
 #[path = "../thesis/dice.rs"]

@@ -2,7 +2,7 @@
 
 /// The instants 0, step, 2 step, ...
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Grid {
+pub(crate) struct Grid {
     step: f64,
     /// Steps per second, where that is a whole number: k / 1000 is nearer to the truth than k x 0.001.
     per_second: Option<f64>,
@@ -21,6 +21,15 @@ impl Grid {
         match self.per_second {
             Some(rate) => index as f64 / rate,
             None => index as f64 * self.step,
+        }
+    }
+
+    /// What an index is multiplied by, and then divided by, to give its time.
+    #[cfg(feature = "native")]
+    pub fn numbers(&self) -> (f64, f64) {
+        match self.per_second {
+            Some(rate) => (1.0, rate),
+            None => (self.step, 1.0),
         }
     }
 

@@ -1,0 +1,40 @@
+//! What works the steps out.
+
+use std::fmt;
+
+/// What works the steps of a run out where nothing switches and no amplifier is overloaded. All but the reference give
+/// the same bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Backend {
+    /// The program's own operations, as the elements' laws emit them: the reference that the others are held against.
+    Reference,
+    /// The operations folded, interpreted.
+    Interpreter,
+    /// The operations folded, as native code from the first step; interpreted where none can be made.
+    Native,
+    /// The operations folded, interpreted until native code pays.
+    #[default]
+    Automatic,
+}
+
+impl Backend {
+    /// All of them.
+    pub const ALL: [Backend; 4] =
+        [Backend::Reference, Backend::Interpreter, Backend::Native, Backend::Automatic];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Backend::Reference => "reference",
+            Backend::Interpreter => "interpreter",
+            Backend::Native => "native",
+            Backend::Automatic => "automatic",
+        }
+    }
+}
+
+impl fmt::Display for Backend {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}

@@ -1,0 +1,150 @@
+//! What has to be watched so that a kernel tells the same as its program: guards, ranges, corners.
+
+use std::collections::{HashMap, HashSet};
+
+use super::fold::Folder;
+use super::form::{Atom, Factor, Form};
+use super::node::{Node, Operand, needed};
+use crate::machines::REFERENCE;
+use crate::program::{Guard, Op, Register};
+
+/// What has to stay between two factors.
+struct Bound {
+    of: Form,
+    low: Factor,
+    high: Factor,
+}
+
+/// What has to stay between which factors.
+#[derive(Debug, Default)]
+pub(super) struct Bounds {
+    pub all: Vec<(Atom, Factor, Factor)>,
+    /// So many of them, the first, are those of guards.
+    pub guards: usize,
+    /// The same of numbers that do not move.
+    pub still: Vec<[Factor; 3]>,
+    places: HashMap<Atom, usize>,
+}
+
+/// The largest number below 0.
+const BELOW_ZERO: f64 = -5e-324;
+
+impl Folder<'_> {
+    /// All that has to be bound.
+    pub fn bounds(&mut self) -> Bounds {
+        let mut bounds = Bounds::default();
+        for guard in self.guards() {
+            self.bind(&mut bounds, guard);
+        }
+        bounds.guards = bounds.all.len();
+        for range in self.ranges() {
+            self.bind(&mut bounds, range);
+        }
+        bounds
+    }
+
+    /// No guard lets anything happen.
+    fn guards(&self) -> Vec<Bound> {
+        let modes = self.program.modes.iter().zip(self.modes);
+        let open = modes.flat_map(|(mode, value)| mode.transitions.iter().filter(|open| open.from == *value));
+        open.map(|open| self.closed(open.guard)).collect()
+    }
+
+    /// Amplifiers stay within their range, and what may be no number is one.
+    fn ranges(&self) -> Vec<Bound> {
+        let range = |register: Register, limit: f64| {
+            let [low, high] = [-limit, limit].map(Factor::Number);
+            Bound { of: self.of(register).clone(), low, high }
+        };
+        let lamps = self.program.lamps.iter().map(|lamp| range(lamp.demand, REFERENCE));
+        let outlets = self.program.elements.iter().map(|outlet| outlet.register);
+        let doubtful = outlets.filter(|register| {
+            matches!(self.program.body[register.index()], Op::Divide(..) | Op::Call(..) | Op::Table(..))
+        });
+        lamps.chain(doubtful.map(|register| range(register, f64::INFINITY))).collect()
+    }
+
+    fn closed(&self, guard: Guard) -> Bound {
+        let high = Factor::Number(if guard.strict { 0.0 } else { BELOW_ZERO });
+        Bound { of: self.of(guard.register).clone(), low: Factor::Number(f64::NEG_INFINITY), high }
+    }
+
+    /// Adds a bound; of what is bound already, the narrower one. A voltage times a number is bound itself.
+    fn bind(&mut self, bounds: &mut Bounds, bound: Bound) {
+        let Bound { mut of, mut low, mut high } = bound;
+        if let Some(factor) = of.as_still() {
+            bounds.still.push([factor, low, high]);
+            return;
+        }
+        if let [(atom, Factor::Number(slope))] = of.terms[..]
+            && let (Some(lower), Some(upper)) =
+                (self.crossing(low, of.constant, slope), self.crossing(high, of.constant, slope))
+        {
+            (low, high) = if slope > 0.0 { (lower, upper) } else { (upper, lower) };
+            of = Form::atom(atom);
+        }
+        // What moves is an atom once it is read.
+        let Operand::Atom(atom) = self.operand(&of) else { return };
+        let next = bounds.all.len();
+        match *bounds.places.entry(atom).or_insert(next) {
+            place if place == next => bounds.all.push((atom, low, high)),
+            place => {
+                let known = &mut bounds.all[place];
+                known.1 = self.early.upper_of(known.1, low);
+                known.2 = self.early.lower_of(known.2, high);
+            }
+        }
+    }
+
+    /// Where constant + slope x voltage comes to a limit: nothing where that has to be told to the last bit, and
+    /// cannot be.
+    fn crossing(&mut self, limit: Factor, constant: Factor, slope: f64) -> Option<Factor> {
+        match limit {
+            Factor::Number(limit) if limit.is_infinite() => Some(Factor::Number(limit * slope.signum())),
+            // Just below 0 is not told by a difference.
+            Factor::Number(BELOW_ZERO) => None,
+            _ => {
+                let way = self.early.multiply(constant, Factor::Number(-1.0));
+                let way = self.early.add(limit, way);
+                Some(self.early.multiply(way, Factor::Number(1.0 / slope)))
+            }
+        }
+    }
+
+    /// Where the rates, and what is kept, turn corners.
+    pub fn corners(&mut self, rates: &[Operand], kept: &[Operand]) -> (Vec<Atom>, Vec<(u32, Operand)>) {
+        let needed = needed(&self.nodes, rates.iter().chain(kept).copied());
+        let (mut corners, mut points, mut seen) = (Vec::new(), Vec::new(), HashSet::new());
+        let moving = needed.into_iter().enumerate().filter_map(|(at, needed)| needed.then_some(at));
+        for at in moving {
+            let (a, b) = match self.nodes[at] {
+                Node::Table(table, place) => {
+                    points.push((table, place));
+                    continue;
+                }
+                Node::Absolute(a) => (a, Operand::Factor(Factor::ZERO)),
+                Node::Minimum(a, b) | Node::Maximum(a, b) | Node::Select { left: a, right: b, .. } => (a, b),
+                _ => continue,
+            };
+            let [a, b] = [a, b].map(|operand| match operand {
+                Operand::Factor(factor) => Form::still(factor),
+                Operand::Atom(atom) => self.expanded(atom),
+            });
+            let difference = self.early.sum(&a, &b, Factor::Number(-1.0));
+            if let Operand::Atom(corner) = self.operand(&difference)
+                && seen.insert(corner)
+            {
+                corners.push(corner);
+            }
+        }
+        (corners, points)
+    }
+
+    /// A sum as its terms.
+    fn expanded(&self, atom: Atom) -> Form {
+        match &self.nodes[atom as usize] {
+            Node::Sum(form) => form.clone(),
+            _ => Form::atom(atom),
+        }
+    }
+}

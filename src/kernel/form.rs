@@ -1,0 +1,245 @@
+//! Sums of voltages, each times a factor that the parameters alone decide.
+
+use std::collections::{HashMap, HashSet};
+
+use crate::program::{Op, Register};
+
+/// By so much a fraction may come out below 0.
+const ROUNDING: f64 = 1e-12;
+
+/// A number that the parameters alone decide.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Factor {
+    /// Whatever they are.
+    Number(f64),
+    /// What an operation of the kernel's own prologue leaves.
+    Early(Register),
+}
+
+impl PartialEq for Factor {
+    fn eq(&self, other: &Self) -> bool {
+        self.key() == other.key()
+    }
+}
+
+impl Factor {
+    pub const ZERO: Factor = Factor::Number(0.0);
+    pub const ONE: Factor = Factor::Number(1.0);
+
+    pub fn is(self, number: f64) -> bool {
+        matches!(self, Factor::Number(value) if value == number)
+    }
+
+    /// What tells it from others.
+    pub fn key(self) -> (bool, u64) {
+        match self {
+            Factor::Number(value) => (false, value.to_bits()),
+            Factor::Early(register) => (true, u64::from(register.0)),
+        }
+    }
+}
+
+/// A voltage that is no sum: a state, time, a product, the lower of two.
+pub(super) type Atom = u32;
+
+/// constant + sum of factor x atom, in volts; the atoms rise.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Form {
+    pub constant: Factor,
+    pub terms: Vec<(Atom, Factor)>,
+}
+
+impl Form {
+    pub fn still(constant: Factor) -> Form {
+        Form { constant, terms: Vec::new() }
+    }
+
+    pub fn atom(atom: Atom) -> Form {
+        Form { constant: Factor::ZERO, terms: vec![(atom, Factor::ONE)] }
+    }
+
+    /// The number that it is, where nothing in it moves.
+    pub fn as_still(&self) -> Option<Factor> {
+        self.terms.is_empty().then_some(self.constant)
+    }
+
+    /// The atom that it is, and by how much multiplied, where it is no sum.
+    pub fn as_scaled(&self) -> Option<(Atom, Factor)> {
+        match self.terms[..] {
+            [term] if self.constant.is(0.0) => Some(term),
+            _ => None,
+        }
+    }
+}
+
+/// The operations that the kernel adds to the prologue: each value once.
+#[derive(Debug, Default)]
+pub(super) struct Early {
+    pub ops: Vec<Op>,
+    known: HashMap<(u8, [(bool, u64); 2]), Factor>,
+    /// Of factors that are each other's negative, the other.
+    negatives: HashMap<(bool, u64), Factor>,
+    /// Operations that never give less than 0.
+    not_negative: HashSet<Register>,
+}
+
+impl Early {
+    /// A coefficient, and the least that it may be.
+    pub fn coefficient(&mut self, index: u32, least: f64) -> Factor {
+        let factor = self.once(0, [(true, u64::from(index)); 2], |_| Op::Coefficient(index));
+        if let (Factor::Early(register), true) = (factor, least >= -ROUNDING) {
+            self.not_negative.insert(register);
+        }
+        factor
+    }
+
+    /// Whether a factor is 0 or more whatever the parameters are.
+    pub fn is_not_negative(&self, factor: Factor) -> bool {
+        match factor {
+            Factor::Number(value) => value >= 0.0,
+            Factor::Early(register) => self.not_negative.contains(&register),
+        }
+    }
+
+    pub fn add(&mut self, a: Factor, b: Factor) -> Factor {
+        match (a, b) {
+            (Factor::Number(a), Factor::Number(b)) => Factor::Number(a + b),
+            _ if a.is(0.0) => b,
+            _ if b.is(0.0) => a,
+            _ if self.negatives.get(&a.key()) == Some(&b) => Factor::ZERO,
+            _ => self.binary(1, a, b, Op::Add),
+        }
+    }
+
+    pub fn multiply(&mut self, a: Factor, b: Factor) -> Factor {
+        match (a, b) {
+            (Factor::Number(a), Factor::Number(b)) => Factor::Number(a * b),
+            _ if a.is(1.0) => b,
+            _ if b.is(1.0) => a,
+            // Coefficients are finite.
+            _ if a.is(0.0) || b.is(0.0) => Factor::ZERO,
+            _ if a.is(-1.0) => self.negative(b),
+            _ if b.is(-1.0) => self.negative(a),
+            _ => {
+                let product = self.binary(3, a, b, Op::Multiply);
+                if let (Factor::Early(register), true) =
+                    (product, self.is_not_negative(a) && self.is_not_negative(b))
+                {
+                    self.not_negative.insert(register);
+                }
+                product
+            }
+        }
+    }
+
+    fn negative(&mut self, a: Factor) -> Factor {
+        if let Some(known) = self.negatives.get(&a.key()) {
+            return *known;
+        }
+        let negative = self.binary(3, a, Factor::Number(-1.0), Op::Multiply);
+        self.negatives.insert(a.key(), negative);
+        self.negatives.insert(negative.key(), a);
+        negative
+    }
+
+    pub fn divide(&mut self, a: Factor, b: Factor) -> Factor {
+        if b.is(1.0) { a } else { self.binary(2, a, b, Op::Divide) }
+    }
+
+    pub fn lower_of(&mut self, a: Factor, b: Factor) -> Factor {
+        match (a, b) {
+            (Factor::Number(a), Factor::Number(b)) => Factor::Number(a.min(b)),
+            _ => self.binary(4, a, b, Op::Minimum),
+        }
+    }
+
+    pub fn upper_of(&mut self, a: Factor, b: Factor) -> Factor {
+        match (a, b) {
+            (Factor::Number(a), Factor::Number(b)) => Factor::Number(a.max(b)),
+            _ => self.binary(5, a, b, Op::Maximum),
+        }
+    }
+
+    /// Any other operation, on factors.
+    pub fn apply(&mut self, op: impl FnOnce(&mut Self) -> Op) -> Factor {
+        let op = op(self);
+        self.push(op)
+    }
+
+    /// Where a factor stands among the operations.
+    pub fn register(&mut self, factor: Factor) -> Register {
+        match factor {
+            Factor::Early(register) => register,
+            Factor::Number(value) => {
+                let key = (6, [(false, value.to_bits()); 2]);
+                match self.known.get(&key) {
+                    Some(Factor::Early(register)) => *register,
+                    _ => {
+                        let factor = self.push(Op::Constant(value));
+                        self.known.insert(key, factor);
+                        self.register(factor)
+                    }
+                }
+            }
+        }
+    }
+
+    fn binary(&mut self, tag: u8, a: Factor, b: Factor, op: fn(Register, Register) -> Op) -> Factor {
+        let key = [a.key(), b.key()];
+        self.once(tag, key, |early| {
+            let (a, b) = (early.register(a), early.register(b));
+            op(a, b)
+        })
+    }
+
+    fn once(&mut self, tag: u8, key: [(bool, u64); 2], op: impl FnOnce(&mut Self) -> Op) -> Factor {
+        if let Some(known) = self.known.get(&(tag, key)) {
+            return *known;
+        }
+        let op = op(self);
+        let factor = self.push(op);
+        self.known.insert((tag, key), factor);
+        factor
+    }
+
+    fn push(&mut self, op: Op) -> Factor {
+        self.ops.push(op);
+        Factor::Early(Register(self.ops.len() as u32 - 1))
+    }
+
+    /// a + b x factor.
+    pub fn sum(&mut self, a: &Form, b: &Form, factor: Factor) -> Form {
+        let mut terms = Vec::with_capacity(a.terms.len() + b.terms.len());
+        let (mut left, mut right) = (a.terms.iter().peekable(), b.terms.iter().peekable());
+        loop {
+            let term = match (left.peek(), right.peek()) {
+                (None, None) => break,
+                (Some(&&(atom, own)), Some(&&(other, share))) if atom == other => {
+                    left.next();
+                    right.next();
+                    let share = self.multiply(share, factor);
+                    (atom, self.add(own, share))
+                }
+                (Some(&&(atom, own)), other) if other.is_none_or(|(other, _)| atom < *other) => {
+                    left.next();
+                    (atom, own)
+                }
+                (_, Some(&&(atom, share))) => {
+                    right.next();
+                    (atom, self.multiply(share, factor))
+                }
+                (Some(_), None) => unreachable!("the left alone is taken above"),
+            };
+            if !term.1.is(0.0) {
+                terms.push(term);
+            }
+        }
+        let constant = self.multiply(b.constant, factor);
+        Form { constant: self.add(a.constant, constant), terms }
+    }
+
+    /// a x factor.
+    pub fn scaled(&mut self, a: &Form, factor: Factor) -> Form {
+        self.sum(&Form::still(Factor::ZERO), a, factor)
+    }
+}

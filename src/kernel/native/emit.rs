@@ -1,0 +1,267 @@
+//! The code of steps and of looks ahead.
+
+use std::collections::HashMap;
+use std::mem::offset_of;
+
+use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::{Block, FuncRef, InstBuilder, MemFlagsData, Value, types};
+use cranelift_frontend::FunctionBuilder;
+
+use super::super::Kernel;
+use super::super::code::{Instruction, Slot};
+use super::Memory;
+
+/// What writes the code of a kernel.
+pub(super) struct Emitter<'a, 'f> {
+    pub build: &'a mut FunctionBuilder<'f>,
+    pub kernel: &'a Kernel,
+    pub pointer: types::Type,
+    pub call: FuncRef,
+    pub look_up: FuncRef,
+    pub memory: Value,
+    /// The slots, by stage.
+    pub slots: [Value; 5],
+    /// Where they are read now.
+    pub stage: usize,
+    /// The states and their rates.
+    pub states: Value,
+    pub rates: Value,
+    /// Whether some operation may give no number.
+    pub is_doubtful: bool,
+    /// The values of the slots that were worked out or loaded in this stage.
+    pub values: Vec<Option<Value>>,
+    /// The beginnings of sums that were worked out in this stage.
+    pub sums: HashMap<Vec<Slot>, Value>,
+    /// Where the code goes when something is met.
+    pub met: Block,
+}
+
+impl<'a, 'f> Emitter<'a, 'f> {
+    pub fn new(
+        build: &'a mut FunctionBuilder<'f>,
+        kernel: &'a Kernel,
+        pointer: types::Type,
+        [call, look_up]: [FuncRef; 2],
+    ) -> Self {
+        let entry = build.create_block();
+        build.append_block_params_for_function_params(entry);
+        build.switch_to_block(entry);
+        let memory = build.block_params(entry)[0];
+        let met = build.create_block();
+        let mut slots = |index| {
+            let offset = offset_of!(Memory, slots) + index * size_of::<*mut f64>();
+            build.ins().load(pointer, constant(), memory, offset as i32)
+        };
+        let slots = std::array::from_fn(&mut slots);
+        let [states, rates] = [offset_of!(Memory, states), offset_of!(Memory, rates)]
+            .map(|offset| build.ins().load(pointer, constant(), memory, offset as i32));
+        let values = vec![None; kernel.layout.all];
+        let codes = [&kernel.moving, &kernel.middle, &kernel.ending];
+        let is_doubtful = codes.iter().flat_map(|code| &code.instructions).any(|instruction| {
+            matches!(
+                instruction,
+                Instruction::Divide { .. } | Instruction::Call { .. } | Instruction::Table { .. }
+            )
+        });
+        Emitter {
+            build,
+            kernel,
+            pointer,
+            call,
+            look_up,
+            memory,
+            slots,
+            stage: 0,
+            states,
+            rates,
+            is_doubtful,
+            values,
+            sums: HashMap::new(),
+            met,
+        }
+    }
+
+    pub fn of_memory(&mut self, of: types::Type, offset: usize) -> Value {
+        self.build.ins().load(of, constant(), self.memory, offset as i32)
+    }
+
+    pub fn number(&mut self, value: f64) -> Value {
+        self.build.ins().f64const(value)
+    }
+
+    pub fn load(&mut self, base: Value, index: usize) -> Value {
+        self.build.ins().load(types::F64, constant(), base, 8 * index as i32)
+    }
+
+    pub fn store(&mut self, value: Value, base: Value, index: usize) {
+        self.build.ins().store(MemFlagsData::trusted(), value, base, 8 * index as i32);
+    }
+
+    /// The loop over the steps. States and rates stand in memory between them: there are too few registers for all.
+    pub fn steps(mut self) {
+        let [first, all] = [offset_of!(Memory, first), offset_of!(Memory, count)]
+            .map(|offset| self.of_memory(types::I64, offset));
+        let start = self.of_memory(types::F64, offset_of!(Memory, time));
+        let zero = self.build.ins().iconst(types::I64, 0);
+        let head = self.build.create_block();
+        for block in [head, self.met] {
+            self.build.append_block_param(block, types::I64);
+            self.build.append_block_param(block, types::F64);
+        }
+        self.build.ins().jump(head, &[zero.into(), start.into()]);
+
+        self.build.switch_to_block(head);
+        let given: Vec<Value> = self.build.block_params(head).to_vec();
+        let here = [given[0], given[1]];
+        let is_left = self.build.ins().icmp(IntCC::UnsignedLessThan, here[0], all);
+        let body = self.build.create_block();
+        self.build.ins().brif(is_left, body, &[], self.met, &here.map(Into::into));
+
+        self.build.switch_to_block(body);
+        let end = self.step(here, first);
+        let next = self.build.ins().iadd_imm_s(here[0], 1);
+        self.build.ins().jump(head, &[next.into(), end.into()]);
+
+        self.build.switch_to_block(self.met);
+        let left: Vec<Value> = self.build.block_params(self.met).to_vec();
+        let offset = offset_of!(Memory, time) as i32;
+        self.build.ins().store(MemFlagsData::trusted(), left[1], self.memory, offset);
+        self.build.ins().return_(&[left[0]]);
+    }
+
+    /// One step, from its number and its time to the time at its end.
+    fn step(&mut self, here: [Value; 2], first: Value) -> Value {
+        let kernel = self.kernel;
+        let [index, time] = here;
+        let end = self.end_of(index, first);
+        let length = self.build.ins().fsub(end, time);
+        let (after, rates) = self.stages([time, length, end], |emitter| {
+            let signs = emitter.watch(kernel.watched_in_middle, Some(here));
+            emitter.leave_where_negative(signs, here);
+        });
+        self.watch_states(&after, here);
+        let signs = self.watch(kernel.watches.len(), Some(here));
+        self.leave_where_negative(signs, here);
+        self.see(end);
+        self.keep();
+        for index in 0..after.len() {
+            self.store(after[index], self.states, index);
+            self.store(rates[index], self.rates, index);
+        }
+        end
+    }
+
+    /// A look ahead: 0 where nothing is met, 1 where something comes and goes, else 2.
+    pub fn one_look(mut self) {
+        let kernel = self.kernel;
+        let count = kernel.rates.len();
+        let [time, length, end] =
+            [offset_of!(Memory, time), offset_of!(Memory, length), offset_of!(Memory, end)]
+                .map(|offset| self.of_memory(types::F64, offset));
+        let mut within = None;
+        let (after, rates) = self.stages([time, length, end], |emitter| {
+            within = emitter.watch(kernel.watched_in_middle, None);
+        });
+        let ahead = self.watch(kernel.watches.len(), None);
+        let pointer = self.pointer;
+        let rates_ahead = self.of_memory(pointer, offset_of!(Memory, rates_ahead));
+        for index in 0..count {
+            self.store(after[index], self.slots[4], kernel.layout.states + index);
+            self.store(rates[index], rates_ahead, index);
+        }
+        for slot in kernel.seen.iter().chain(&kernel.kept) {
+            let value = self.get(*slot);
+            self.store(value, self.slots[4], *slot as usize);
+        }
+        let [within, ahead] = [within, ahead].map(|signs| self.is_negative(signs));
+        let two = self.build.ins().iconst(types::I64, 2);
+        let otherwise = self.build.ins().uextend(types::I64, within);
+        let told = self.build.ins().select(ahead, two, otherwise);
+        self.build.ins().return_(&[told]);
+        // Nothing leaves a look on its way.
+        self.build.switch_to_block(self.met);
+        let zero = self.build.ins().iconst(types::I64, 0);
+        self.build.ins().return_(&[zero]);
+    }
+
+    /// The stages of a step to states and rates at its end; the middle is looked at in between.
+    fn stages(
+        &mut self,
+        [time, length, end]: [Value; 3],
+        in_the_middle: impl FnOnce(&mut Self),
+    ) -> (Vec<Value>, Vec<Value>) {
+        let kernel = self.kernel;
+        let a_half = self.number(0.5);
+        let half = self.build.ins().fmul(a_half, length);
+        let middle = self.build.ins().fadd(time, half);
+        let rates: Vec<Value> = (0..kernel.rates.len()).map(|index| self.load(self.rates, index)).collect();
+        let second = self.stage(0, &rates, half, middle);
+        let third = self.stage(1, &second, half, middle);
+        let pairs = second.into_iter().zip(&third);
+        let inner: Vec<Value> = pairs.map(|(second, third)| self.build.ins().fadd(second, *third)).collect();
+        self.run(&kernel.middle);
+        in_the_middle(self);
+        let fourth = self.stage(2, &third, length, end);
+        let six = self.number(6.0);
+        let sixth = self.build.ins().fdiv(length, six);
+        let two = self.number(2.0);
+        let after: Vec<Value> = (0..inner.len())
+            .map(|index| {
+                let rate = self.load(self.rates, index);
+                let outer = self.build.ins().fadd(rate, fourth[index]);
+                let rate = self.build.ins().fma(inner[index], two, outer);
+                let state = self.load(self.states, index);
+                // Rounded before it is added: straight lines stay exact.
+                let way = self.build.ins().fmul(rate, sixth);
+                self.build.ins().fadd(state, way)
+            })
+            .collect();
+        let rates = self.evaluate(3, &after, end);
+        self.run(&kernel.middle);
+        self.run(&kernel.ending);
+        (after, rates)
+    }
+
+    /// When a step ends: as [`Steps::end_of`] tells it.
+    fn end_of(&mut self, index: Value, first: Value) -> Value {
+        let number = self.build.ins().iadd(first, index);
+        let number = self.build.ins().fcvt_from_sint(types::F64, number);
+        let [begin, step, per_second] =
+            [offset_of!(Memory, begin), offset_of!(Memory, step), offset_of!(Memory, per_second)]
+                .map(|offset| self.of_memory(types::F64, offset));
+        let times = self.build.ins().fmul(number, step);
+        let time = self.build.ins().fdiv(times, per_second);
+        self.build.ins().fadd(begin, time)
+    }
+
+    /// The rates of a stage that stands some length of the way along rates.
+    fn stage(&mut self, stage: usize, rates: &[Value], length: Value, time: Value) -> Vec<Value> {
+        let trial: Vec<Value> = (0..rates.len())
+            .map(|index| {
+                let state = self.load(self.states, index);
+                self.build.ins().fma(rates[index], length, state)
+            })
+            .collect();
+        self.evaluate(stage, &trial, time)
+    }
+
+    fn evaluate(&mut self, stage: usize, states: &[Value], time: Value) -> Vec<Value> {
+        let kernel = self.kernel;
+        self.stage = stage;
+        self.values.fill(None);
+        self.sums.clear();
+        for (index, state) in states.iter().enumerate() {
+            self.values[kernel.layout.states + index] = Some(*state);
+        }
+        self.values[kernel.layout.time] = Some(time);
+        self.run(&kernel.moving);
+        let rates = kernel.rates.iter().map(|slot| self.get(*slot)).collect();
+        self.stage = 4;
+        rates
+    }
+}
+
+/// Of memory that nothing changes while the code runs.
+pub(super) fn constant() -> MemFlagsData {
+    MemFlagsData::trusted().with_readonly()
+}

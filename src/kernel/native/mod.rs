@@ -1,0 +1,234 @@
+//! A kernel's steps as native code.
+//!
+//! The code does what [`Kernel::steps`] does over one lane, operation by operation, and gives the same bits. Here alone
+//! memory is reached without the compiler's guard: through the pointers of [`Memory`], to the numbers of one frame,
+//! whose lengths are those for which the code was made.
+
+#![allow(unsafe_code, reason = "calls code that is made while the program runs")]
+
+mod emit;
+mod operations;
+mod watch;
+
+use std::fmt;
+
+use cranelift_codegen::ir::{AbiParam, types};
+use cranelift_codegen::settings::{self, Configurable};
+use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
+use cranelift_jit::{JITBuilder, JITModule};
+use cranelift_module::{FuncId, Linkage, Module, ModuleError, default_libcall_names};
+
+use super::Kernel;
+use super::frame::{Extremes, Frame, Look, Steps};
+use crate::patch::Function;
+use crate::program::Number;
+use emit::Emitter;
+
+/// The native code of one kernel.
+pub(crate) struct Native {
+    run: Entry,
+    look: Entry,
+    /// Owns the code.
+    module: Option<JITModule>,
+    slots: usize,
+}
+
+type Entry = extern "C" fn(*mut Memory) -> u64;
+
+/// What the code reaches.
+#[repr(C)]
+struct Memory {
+    /// The same once for each stage and once for what is watched: what is loaded through one is used there, and
+    /// takes no register for longer.
+    slots: [*mut f64; 5],
+    states: *mut f64,
+    rates: *mut f64,
+    slopes: *const f64,
+    rooms: *const f64,
+    least: *mut f64,
+    least_at: *mut f64,
+    most: *mut f64,
+    most_at: *mut f64,
+    /// Of a look: rates and what is left of the watches at its end.
+    rates_ahead: *mut f64,
+    rests: *mut f64,
+    /// Of a look: its length, and when it ends.
+    length: f64,
+    end: f64,
+    tables: *const Vec<[f64; 2]>,
+    time: f64,
+    begin: f64,
+    /// What the number of a step is multiplied by, then divided by.
+    step: f64,
+    per_second: f64,
+    first: u64,
+    count: u64,
+}
+
+/// Kernels of more operations than this are interpreted: making the code would take longer than it saves.
+const MOST_OPERATIONS: usize = 4000;
+
+impl Native {
+    /// The native code of a kernel; nothing where this processor, or the kernel, is none for it.
+    pub fn new(kernel: &Kernel) -> Option<Native> {
+        let codes = [&kernel.moving, &kernel.middle, &kernel.ending];
+        let operations: usize = codes.iter().map(|code| code.instructions.len() + code.terms.len()).sum();
+        if operations > MOST_OPERATIONS {
+            return None;
+        }
+        made(kernel).ok().flatten()
+    }
+
+    /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
+    pub fn steps(
+        &self,
+        kernel: &Kernel,
+        frame: &mut Frame<f64>,
+        tables: &[Vec<[f64; 2]>],
+        steps: &Steps,
+    ) -> u64 {
+        let (step, per_second) = steps.grid.numbers();
+        let mut memory = self.memory(kernel, frame, tables);
+        memory =
+            Memory { begin: steps.begin, step, per_second, first: steps.first, count: steps.count, ..memory };
+        let gone = (self.run)(&raw mut memory);
+        frame.time = memory.time;
+        gone
+    }
+
+    /// Looks ahead by a step of this length.
+    pub fn look(
+        &self,
+        kernel: &Kernel,
+        frame: &mut Frame<f64>,
+        tables: &[Vec<[f64; 2]>],
+        length: f64,
+    ) -> Look {
+        let end = frame.time + length;
+        let mut memory = Memory { length, end, ..self.memory(kernel, frame, tables) };
+        match (self.look)(&raw mut memory) {
+            0 => Look::Quiet,
+            1 => Look::Within,
+            _ => Look::Ahead,
+        }
+    }
+
+    /// The numbers of a frame, which is one of this kernel's.
+    fn memory(&self, kernel: &Kernel, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) -> Memory {
+        assert_eq!((self.slots, frame.slots.len()), (kernel.layout.all, kernel.layout.all));
+        let Extremes { least, least_at, most, most_at } = &mut frame.extremes;
+        Memory {
+            slots: [frame.slots.as_mut_ptr(); 5],
+            states: frame.states.as_mut_ptr(),
+            rates: frame.rates.as_mut_ptr(),
+            slopes: frame.slopes.as_ptr(),
+            rooms: frame.rooms.as_ptr(),
+            least: least.as_mut_ptr(),
+            least_at: least_at.as_mut_ptr(),
+            most: most.as_mut_ptr(),
+            most_at: most_at.as_mut_ptr(),
+            rates_ahead: frame.stages[3].as_mut_ptr(),
+            rests: frame.rests.as_mut_ptr(),
+            length: 0.0,
+            end: 0.0,
+            tables: tables.as_ptr(),
+            time: frame.time,
+            begin: 0.0,
+            step: 0.0,
+            per_second: 1.0,
+            first: 0,
+            count: 0,
+        }
+    }
+}
+
+impl Drop for Native {
+    fn drop(&mut self) {
+        if let Some(module) = self.module.take() {
+            // SAFETY: the code is called through `self` alone.
+            unsafe { module.free_memory() };
+        }
+    }
+}
+
+// SAFETY: the code and what it was made of are never changed once they are there.
+unsafe impl Send for Native {}
+// SAFETY: the same.
+unsafe impl Sync for Native {}
+
+impl fmt::Debug for Native {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("Native")
+    }
+}
+
+extern "C" fn call(function: u64, a: f64, b: f64) -> f64 {
+    Function::at(function as usize).apply(a, b)
+}
+
+extern "C" fn look_up(tables: *const Vec<[f64; 2]>, table: u64, x: f64) -> f64 {
+    // SAFETY: the code passes on the pointer of its memory, and the indices of the kernel's tables.
+    let points = unsafe { &*tables.add(table as usize) };
+    x.table(points)
+}
+
+fn made(kernel: &Kernel) -> Result<Option<Native>, Box<ModuleError>> {
+    let mut flags = settings::builder();
+    // The order of the operations is chosen for few registers: it is best left alone.
+    for (name, value) in [("opt_level", "none"), ("is_pic", "false"), ("enable_verifier", "false")] {
+        flags.set(name, value).expect("a flag of this version");
+    }
+    let Ok(builder) = cranelift_native::builder() else { return Ok(None) };
+    let Ok(isa) = builder.finish(settings::Flags::new(flags)) else { return Ok(None) };
+    let mut builder = JITBuilder::with_isa(isa, default_libcall_names());
+    builder.symbol("patchcord_call", call as *const u8);
+    builder.symbol("patchcord_look_up", look_up as *const u8);
+    let mut module = JITModule::new(builder);
+    let pointer = module.target_config().pointer_type();
+
+    let call = import(&mut module, "patchcord_call", [types::I64, types::F64, types::F64])?;
+    let look_up = import(&mut module, "patchcord_look_up", [pointer, types::I64, types::F64])?;
+    let helpers = [call, look_up];
+    let run = define(&mut module, "steps", kernel, helpers, |emitter| emitter.steps())?;
+    let look = define(&mut module, "look", kernel, helpers, |emitter| emitter.one_look())?;
+    module.finalize_definitions()?;
+    let [run, look] = [run, look].map(|function| {
+        let code = module.get_finalized_function(function);
+
+        // SAFETY: both functions were declared with this signature.
+        unsafe { std::mem::transmute::<*const u8, Entry>(code) }
+    });
+    Ok(Some(Native { run, look, module: Some(module), slots: kernel.layout.all }))
+}
+
+/// A function that the code calls, and that gives a number.
+fn import(module: &mut JITModule, name: &str, takes: [types::Type; 3]) -> Result<FuncId, Box<ModuleError>> {
+    let mut signature = module.make_signature();
+    signature.params.extend(takes.map(AbiParam::new));
+    signature.returns.push(AbiParam::new(types::F64));
+    Ok(module.declare_function(name, Linkage::Import, &signature)?)
+}
+
+/// Makes a function of a kernel.
+fn define(
+    module: &mut JITModule,
+    name: &str,
+    kernel: &Kernel,
+    helpers: [FuncId; 2],
+    emit: impl FnOnce(Emitter<'_, '_>),
+) -> Result<FuncId, Box<ModuleError>> {
+    let pointer = module.target_config().pointer_type();
+    let mut context = module.make_context();
+    context.func.signature.params.push(AbiParam::new(pointer));
+    context.func.signature.returns.push(AbiParam::new(types::I64));
+    context.func.signature.call_conv = module.target_config().default_call_conv;
+    let function = module.declare_function(name, Linkage::Export, &context.func.signature)?;
+    let helpers = helpers.map(|helper| module.declare_func_in_func(helper, &mut context.func));
+    let mut room = FunctionBuilderContext::new();
+    let mut builder = FunctionBuilder::new(&mut context.func, &mut room);
+    emit(Emitter::new(&mut builder, kernel, pointer, helpers));
+    builder.seal_all_blocks();
+    builder.finalize(module.target_config());
+    module.define_function(function, &mut context)?;
+    Ok(function)
+}

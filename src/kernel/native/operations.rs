@@ -1,0 +1,127 @@
+//! The code of a kernel's operations.
+
+use std::mem::offset_of;
+
+use cranelift_codegen::ir::condcodes::FloatCC;
+use cranelift_codegen::ir::{InstBuilder, MemFlagsData, Value, types};
+
+use super::super::code::{Code, Instruction, Slot};
+use super::Memory;
+use super::emit::{Emitter, constant};
+
+impl Emitter<'_, '_> {
+    /// The value in a slot.
+    pub fn get(&mut self, slot: Slot) -> Value {
+        let place = slot as usize;
+        if let Some(value) = self.values[place] {
+            return value;
+        }
+        // Factors and noise never change while the code runs; kept values change between steps.
+        let flags = if (self.kernel.layout.kept..self.kernel.layout.noise).contains(&place) {
+            MemFlagsData::trusted()
+        } else {
+            constant()
+        };
+        let value = match self.kernel.number(slot) {
+            Some(0.0) => self.number(0.0),
+            _ => self.build.ins().load(types::F64, flags, self.slots[self.stage], 8 * slot as i32),
+        };
+        self.values[place] = Some(value);
+        value
+    }
+
+    /// Works a list of operations out.
+    pub fn run(&mut self, code: &Code) {
+        for instruction in &code.instructions {
+            let (out, value) = self.instruction(code, *instruction);
+            self.values[out as usize] = Some(value);
+        }
+    }
+
+    fn instruction(&mut self, code: &Code, instruction: Instruction) -> (Slot, Value) {
+        match instruction {
+            Instruction::Scaled { out, factor, a } => {
+                let [factor, a] = [factor, a].map(|slot| self.get(slot));
+                (out, self.build.ins().fmul(factor, a))
+            }
+            Instruction::Line { out, constant, factor, a } => {
+                let [factor, a, constant] = [factor, a, constant].map(|slot| self.get(slot));
+                (out, self.build.ins().fma(factor, a, constant))
+            }
+            Instruction::Sum { out, constant, first, count } => {
+                let terms = &code.terms[first as usize..(first + count) as usize];
+                (out, self.sum(constant, terms))
+            }
+            Instruction::Multiply { out, a, b } => {
+                let [a, b] = [a, b].map(|slot| self.get(slot));
+                (out, self.build.ins().fmul(a, b))
+            }
+            Instruction::Divide { out, a, b } => {
+                let [a, b] = [a, b].map(|slot| self.get(slot));
+                (out, self.build.ins().fdiv(a, b))
+            }
+            Instruction::Minimum { out, a, b } => {
+                let [a, b] = [a, b].map(|slot| self.get(slot));
+                (out, self.choose(FloatCC::LessThan, b, a, b, a))
+            }
+            Instruction::Maximum { out, a, b } => {
+                let [a, b] = [a, b].map(|slot| self.get(slot));
+                (out, self.choose(FloatCC::GreaterThan, b, a, b, a))
+            }
+            Instruction::Absolute { out, a } => {
+                let a = self.get(a);
+                (out, self.build.ins().fabs(a))
+            }
+            Instruction::Select { out, left, right, then, otherwise } => {
+                let [left, right, then, otherwise] =
+                    [left, right, then, otherwise].map(|slot| self.get(slot));
+                (out, self.choose(FloatCC::GreaterThanOrEqual, left, right, then, otherwise))
+            }
+            Instruction::Call { out, function, a, b } => {
+                let [a, b] = [a, b].map(|slot| self.get(slot));
+                let index = self.build.ins().iconst(types::I64, function as i64);
+                let call = self.build.ins().call(self.call, &[index, a, b]);
+                (out, self.build.inst_results(call)[0])
+            }
+            Instruction::Table { out, table, a } => {
+                let a = self.get(a);
+                let pointer = self.pointer;
+                let tables = self.of_memory(pointer, offset_of!(Memory, tables));
+                let index = self.build.ins().iconst(types::I64, i64::from(table));
+                let call = self.build.ins().call(self.look_up, &[tables, index, a]);
+                (out, self.build.inst_results(call)[0])
+            }
+        }
+    }
+
+    /// A sum, from where it goes on from another that begins in the same way.
+    fn sum(&mut self, constant: Slot, terms: &[(Slot, Slot)]) -> Value {
+        let mut way = vec![constant];
+        let mut sum = None;
+        for (factor, a) in terms {
+            way.extend([*factor, *a]);
+            sum = Some(match self.sums.get(&way) {
+                Some(known) => *known,
+                None => {
+                    let [factor, a] = [*factor, *a].map(|slot| self.get(slot));
+                    let before = sum.unwrap_or_else(|| self.get(constant));
+                    let value = self.build.ins().fma(factor, a, before);
+                    self.sums.insert(way.clone(), value);
+                    value
+                }
+            });
+        }
+        sum.unwrap_or_else(|| self.get(constant))
+    }
+
+    /// `then` where a comparison holds, else `otherwise`. A branch, as what is compared rarely changes sides: the
+    /// processor goes on before it knows.
+    fn choose(&mut self, is: FloatCC, left: Value, right: Value, then: Value, otherwise: Value) -> Value {
+        let holds = self.build.ins().fcmp(is, left, right);
+        let joined = self.build.create_block();
+        self.build.append_block_param(joined, types::F64);
+        self.build.ins().brif(holds, joined, &[then.into()], joined, &[otherwise.into()]);
+        self.build.switch_to_block(joined);
+        self.build.block_params(joined)[0]
+    }
+}

@@ -1,0 +1,106 @@
+//! The kernels of a program, folded once for every set of modes, whatever the number of machines that run it.
+
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use super::{Backend, Frame, Kernel, Look, Native, Steps};
+use crate::program::{Program, Register};
+
+/// Kernels that programs with the same operations share.
+#[derive(Clone, Default)]
+pub(crate) struct Kernels(Arc<Mutex<Vec<Arc<Folded>>>>);
+
+/// A kernel, for what it was folded, and its native code once that pays.
+#[derive(Debug)]
+pub(crate) struct Folded {
+    modes: Vec<f64>,
+    seen: Vec<Register>,
+    pub kernel: Kernel,
+    native: OnceLock<Option<Native>>,
+    /// Steps that were interpreted.
+    interpreted: AtomicU64,
+}
+
+/// So many kernels are kept.
+const MOST_KERNELS: usize = 64;
+/// After so many interpreted steps native code has been worth its making, had it been there from the beginning.
+const PAYS: u64 = 10_000;
+
+impl Kernels {
+    /// The kernel of a program in these modes that gives these registers; nothing where the program has none.
+    pub fn of(&self, program: &Program, modes: &[f64], seen: &[Register]) -> Option<Arc<Folded>> {
+        // Whoever broke off left the list as whole as it was.
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = all.iter().find(|known| known.modes == modes && known.seen == seen) {
+            return Some(Arc::clone(known));
+        }
+        let folded = Arc::new(Folded {
+            modes: modes.to_vec(),
+            seen: seen.to_vec(),
+            kernel: Kernel::new(program, modes, seen)?,
+            native: OnceLock::new(),
+            interpreted: AtomicU64::new(0),
+        });
+        if all.len() == MOST_KERNELS {
+            all.remove(0);
+        }
+        all.push(Arc::clone(&folded));
+        Some(folded)
+    }
+}
+
+// They follow from the operations, which are told by whoever tells of the program.
+impl fmt::Debug for Kernels {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("Kernels")
+    }
+}
+
+impl Folded {
+    /// Whether it was folded for these modes.
+    pub fn is_for(&self, modes: &[f64]) -> bool {
+        self.modes == modes
+    }
+
+    /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
+    pub fn steps(
+        &self,
+        frame: &mut Frame<f64>,
+        tables: &[Vec<[f64; 2]>],
+        steps: &Steps,
+        backend: Backend,
+    ) -> u64 {
+        if let Some(native) = self.native(backend) {
+            return native.steps(&self.kernel, frame, tables, steps);
+        }
+        let gone = self.kernel.steps(frame, tables, steps);
+        if backend == Backend::Automatic {
+            self.interpreted.fetch_add(gone, Ordering::Relaxed);
+        }
+        gone
+    }
+
+    /// Looks ahead by a step of this length.
+    pub fn look(
+        &self,
+        frame: &mut Frame<f64>,
+        tables: &[Vec<[f64; 2]>],
+        length: f64,
+        backend: Backend,
+    ) -> Look {
+        if let Some(native) = self.native(backend) {
+            return native.look(&self.kernel, frame, tables, length);
+        }
+        self.kernel.look_ahead(frame, tables, length)
+    }
+
+    fn native(&self, backend: Backend) -> Option<&Native> {
+        let wanted = match backend {
+            Backend::Native => true,
+            Backend::Automatic => self.interpreted.load(Ordering::Relaxed) >= PAYS,
+            _ => false,
+        };
+        wanted.then(|| self.native.get_or_init(|| Native::new(&self.kernel)).as_ref()).flatten()
+    }
+}

@@ -1,0 +1,316 @@
+//! Quiet stretches: while no mode changes and no amplifier is overloaded, a kernel of the program takes the steps, and
+//! crosses the corners of diodes and tables on its way.
+
+use std::sync::Arc;
+
+use super::error::RunError;
+use super::locate::{self, Ahead};
+use super::machine::{Machine, Witness};
+use super::stride::{cubic, without_dust};
+use crate::kernel::{Backend, Folded, Frame, Look, Met, Steps};
+use crate::machines::REFERENCE;
+use crate::program::Register;
+
+/// What a machine glides with.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Glider {
+    backend: Backend,
+    /// What is recorded.
+    seen: Vec<Register>,
+    /// One for every set of modes met.
+    flights: Vec<Flight>,
+}
+
+/// A kernel at work.
+#[derive(Debug, Clone)]
+pub(super) struct Flight {
+    folded: Arc<Folded>,
+    frame: Frame<f64>,
+    factors: Factors,
+}
+
+/// Whether a frame holds the factors that follow from the machine's coefficients.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Factors {
+    /// Not yet.
+    Due,
+    There,
+    /// With these coefficients the kernel does not hold.
+    Unfit,
+}
+
+/// After so many steps states that are too small to matter are set to 0.
+const SWEPT: u64 = 64;
+/// So many flights are kept.
+const MOST_FLIGHTS: usize = 64;
+/// More crossings than this within one step are left to the step that tells of chatter.
+const MOST_CROSSINGS: usize = 100;
+
+impl Glider {
+    /// A glider that gives the voltages of these registers.
+    pub fn new(backend: Backend, seen: Vec<Register>) -> Self {
+        Glider { backend, seen, flights: Vec::new() }
+    }
+
+    /// The coefficients are no longer what they were.
+    pub fn forget_factors(&mut self) {
+        self.flights.iter_mut().for_each(|flight| flight.factors = Factors::Due);
+    }
+
+    /// Index of the flight for the machine's modes.
+    fn flight(&mut self, machine: &Machine<'_>) -> Option<usize> {
+        let known = self.flights.iter().position(|flight| flight.folded.is_for(&machine.modes));
+        if known.is_some() {
+            return known;
+        }
+        let program = machine.program;
+        let folded = program.kernels.of(program, &machine.modes, &self.seen)?;
+        let frame = folded.kernel.frame();
+        if self.flights.len() == MOST_FLIGHTS {
+            self.flights.remove(0);
+        }
+        self.flights.push(Flight { folded, frame, factors: Factors::Due });
+        Some(self.flights.len() - 1)
+    }
+}
+
+impl Flight {
+    /// Begins where the machine is. Tells nothing where the kernel does not hold there, else whether every corner is on
+    /// one side.
+    fn begin(&mut self, machine: &Machine<'_>) -> Option<bool> {
+        let (kernel, frame) = (&self.folded.kernel, &mut self.frame);
+        if self.factors == Factors::Due {
+            let factors = kernel.factors(machine.program, &machine.coefficients);
+            self.factors = if factors.is_some() { Factors::There } else { Factors::Unfit };
+            frame.put_factors(0, &factors?);
+        }
+        if self.factors == Factors::Unfit {
+            return None;
+        }
+        frame.put_standing(kernel, 0, &machine.kept, &machine.drawn);
+        frame.states.copy_from_slice(&machine.states);
+        frame.rates.copy_from_slice(&machine.slopes);
+        frame.time = machine.time;
+        frame.see_anew();
+        kernel.bind(frame, &machine.program.tables, 0)
+    }
+
+    /// When it is.
+    pub fn time(&self) -> f64 {
+        self.frame.time
+    }
+
+    /// Works the recorded voltages out at an instant within the last step.
+    pub fn look_back(&mut self, tables: &[Vec<[f64; 2]>], time: f64) {
+        let (kernel, frame) = (&self.folded.kernel, &mut self.frame);
+        let [begin, length] = kernel.last_stretch(frame);
+        kernel.look_back(frame, tables, time, cubic(length, (time - begin) / length));
+    }
+
+    /// The same where it is.
+    pub fn show(&mut self, tables: &[Vec<[f64; 2]>]) {
+        self.folded.kernel.show(&mut self.frame, tables);
+    }
+
+    /// The recorded voltages as they were worked out last.
+    pub fn seen(&self) -> impl Iterator<Item = f64> + '_ {
+        let kernel = &self.folded.kernel;
+        (0..kernel.seen.len()).map(|index| self.frame.last_seen(kernel, index, 0))
+    }
+
+    /// The least and the largest of every recorded voltage since it began, with their instants, in the order in which
+    /// they were met; none of one that did not turn.
+    pub fn extremes(&self) -> impl Iterator<Item = Option<[(f64, f64); 2]>> + '_ {
+        let kernel = &self.folded.kernel;
+        (0..kernel.seen.len()).map(|index| self.frame.extremes(kernel, index, 0))
+    }
+}
+
+impl Machine<'_> {
+    /// Goes steps of a grid as long as they are quiet, and tells how many were gone. The machine may then be within
+    /// the next one.
+    pub(super) fn glide(&mut self, steps: Steps, witness: &mut impl Witness) -> Result<u64, RunError> {
+        let may = self.glider.backend != Backend::Reference && self.sensitivities.is_none();
+        if !may || !self.is_calm() || self.steps_before_jump(steps) == 0 {
+            return Ok(0);
+        }
+        let mut glider = std::mem::take(&mut self.glider);
+        let gone = match glider.flight(self) {
+            Some(index) => self.fly(&mut glider.flights[index], steps, glider.backend, witness),
+            None => {
+                glider.backend = Backend::Reference;
+                Ok(0)
+            }
+        };
+        self.glider = glider;
+        gone
+    }
+
+    /// Whether no integrator is held at ±100 V and driven on.
+    fn is_calm(&self) -> bool {
+        let at_rest = self.pushed.iter().all(|pushed| *pushed == 0.0);
+        let mut states = self.program.states.iter().zip(&self.states);
+        at_rest
+            && states.all(|(state, volts)| {
+                volts.abs() < REFERENCE || self.registers[state.demand.index()] * volts <= 0.0
+            })
+    }
+
+    /// How many of these steps end before anything that is known to come.
+    fn steps_before_jump(&self, steps: Steps) -> u64 {
+        steps.before(self.end_of_stretch(f64::INFINITY), 1e-9 * self.step)
+    }
+
+    fn fly(
+        &mut self,
+        flight: &mut Flight,
+        steps: Steps,
+        backend: Backend,
+        witness: &mut impl Witness,
+    ) -> Result<u64, RunError> {
+        let Some(mut is_decided) = flight.begin(self) else { return Ok(0) };
+        let all = self.steps_before_jump(steps);
+        let (mut gone, mut is_quiet) = (0, true);
+        while is_quiet && gone < all {
+            let left = Steps { count: all - gone, ..steps.after(gone) };
+            // Dust is swept on a grid of its own, so that what is recorded changes nothing.
+            let count = left.until(witness.next_sample()).min(left.up_to_multiple_of(SWEPT));
+            let count = count.min(if is_decided { u64::MAX } else { 1 });
+            let block = Steps { count, ..left };
+            let done = flight.folded.steps(&mut flight.frame, &self.program.tables, &block, backend);
+            self.work.steps += done;
+            self.work.evaluations += 4 * done;
+            if done > 0 {
+                self.time = flight.frame.time;
+                witness.glided(self, flight);
+            }
+            gone += done;
+            // What is met is crossed, and a sample within a step is read off that step.
+            if done < count || count == 0 {
+                is_quiet = self.fly_across(flight, left.end_of(done), backend, witness);
+                gone += u64::from(is_quiet);
+                is_decided = flight.frame.is_decided();
+            }
+            if is_quiet && steps.after(gone).up_to_multiple_of(SWEPT) == SWEPT {
+                without_dust(&mut flight.frame.states);
+            }
+            if !is_decided {
+                let bound = flight.folded.kernel.bind(&mut flight.frame, &self.program.tables, 0);
+                is_quiet &= bound.is_some();
+                is_decided = bound.unwrap_or_default();
+            }
+        }
+        // What was looked at last may lie beyond what stopped it.
+        flight.show(&self.program.tables);
+        witness.landed(flight);
+        self.land(flight)?;
+        Ok(gone)
+    }
+
+    /// Goes on to the end of a step in which something is met, across every corner. Where it is something else, stops
+    /// on the way.
+    fn fly_across(
+        &mut self,
+        flight: &mut Flight,
+        end: f64,
+        backend: Backend,
+        witness: &mut impl Witness,
+    ) -> bool {
+        for crossings in 0..MOST_CROSSINGS {
+            let Flight { folded, frame, .. } = flight;
+            let mut sight = Sight { folded, frame, backend, machine: self, last: Look::Quiet };
+            if crossings == 0 {
+                sight.stand();
+            }
+            let length = end - sight.frame.time;
+            sight.look(length);
+            // What is no corner is left to the machine, and with it the corners before it.
+            if sight.event().is_some_and(|met| !met.is_corner) {
+                return false;
+            }
+            let (share, met) = locate::first_event(&mut sight, length);
+            if met.is_some_and(|met| !met.is_corner) {
+                return false;
+            }
+            let time = if share >= 1.0 { end } else { sight.frame.time + share * length };
+            sight.accept(time);
+            if let Some(met) = met {
+                self.work.crossings += 1;
+                folded.kernel.cross(frame, &self.program.tables, 0, met);
+            }
+            self.time = time;
+            witness.glided(self, flight);
+            if time >= end {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Works everything out where a stretch has ended.
+    fn land(&mut self, flight: &Flight) -> Result<(), RunError> {
+        self.time = flight.frame.time;
+        self.states.copy_from_slice(&flight.frame.states);
+        self.kept
+            .iter_mut()
+            .zip(flight.frame.kept(&flight.folded.kernel, 0))
+            .for_each(|(kept, value)| *kept = value);
+        self.work_out_now();
+        self.check_now()
+    }
+}
+
+/// A kernel that looks ahead from where its frame is.
+struct Sight<'a, 'p> {
+    folded: &'a Folded,
+    backend: Backend,
+    frame: &'a mut Frame<f64>,
+    machine: &'a mut Machine<'p>,
+    last: Look,
+}
+
+impl Sight<'_, '_> {
+    /// Works out where it is.
+    fn stand(&mut self) {
+        self.last = self.folded.look(self.frame, &self.machine.program.tables, 0.0, self.backend);
+        self.frame.stand();
+    }
+
+    fn accept(&mut self, time: f64) {
+        self.machine.work.steps += 1;
+        self.folded.kernel.take(self.frame, time);
+    }
+}
+
+impl Ahead for Sight<'_, '_> {
+    type Event = Met;
+
+    fn look(&mut self, length: f64) {
+        self.machine.work.evaluations += 4;
+        self.last = self.folded.look(self.frame, &self.machine.program.tables, length, self.backend);
+    }
+
+    fn event(&self) -> Option<Met> {
+        if self.last == Look::Ahead { self.folded.kernel.met(self.frame, 0) } else { None }
+    }
+
+    fn is_hinted(&self) -> bool {
+        self.last == Look::Within
+    }
+
+    fn middle(&self) -> f64 {
+        0.5
+    }
+
+    fn excess_now(&self, met: Met) -> f64 {
+        self.folded.kernel.excess_now(self.frame, 0, met)
+    }
+
+    fn excess(&self, met: Met) -> f64 {
+        self.folded.kernel.excess(self.frame, 0, met)
+    }
+
+    fn is_corner(&self, met: Met) -> bool {
+        met.is_corner
+    }
+}

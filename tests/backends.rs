@@ -1,0 +1,159 @@
+//! Backends: all give the same bits, but for the reference, from which they differ by rounding.
+
+mod common;
+
+#[path = "sensitivity/circuits.rs"]
+mod circuits;
+#[allow(dead_code, reason = "this binary takes what it needs")]
+#[path = "thesis/dice.rs"]
+mod dice;
+
+use std::path::Path;
+
+use common::{built, circuit, element, program, ran, source, volts};
+use dice::Dice;
+use patchcord::patch::Patch;
+use patchcord::program::Program;
+use patchcord::solve::{self, Backend, Machine, RunSettings};
+use patchcord::trace::Trace;
+
+const FOLDED: [Backend; 3] = [Backend::Interpreter, Backend::Native, Backend::Automatic];
+
+fn trace(program: &Program, settings: &RunSettings, backend: Backend) -> Trace {
+    solve::run(program, &RunSettings { backend, ..settings.clone() })
+        .unwrap_or_else(|stopped| panic!("{stopped}"))
+}
+
+/// Traces of the folded backends, which are the same, and that of the reference.
+fn both(program: &Program, settings: &RunSettings) -> (Trace, Trace) {
+    let [interpreted, native, automatic] = FOLDED.map(|backend| trace(program, settings, backend));
+    assert_eq!(interpreted, native);
+    assert_eq!(interpreted, automatic);
+    (interpreted, trace(program, settings, Backend::Reference))
+}
+
+/// The largest difference of samples, in volts.
+fn difference(a: &Trace, b: &Trace) -> f64 {
+    assert_eq!(a.time, b.time);
+    let pairs = a.tracks.iter().zip(&b.tracks).flat_map(|(a, b)| a.volts.iter().zip(&b.volts));
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn every_shipped_patch() {
+    for folder in ["patches/thesis", "patches/lessons"] {
+        for entry in Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).read_dir().unwrap() {
+            let file = entry.unwrap().path();
+            let patch = Patch::read(&file).unwrap();
+            let circuit = circuit(&patch, &[]);
+            let settings = RunSettings::of(&circuit).unwrap();
+            // What is chaotic, and what sticks and slips, makes rounding grow: so many seconds of it.
+            let settings = match file.file_stem().unwrap().to_str().unwrap() {
+                "lorenz" => settings.lasting(10.0),
+                name if name.starts_with("fig-8-1") => settings.lasting(1.0),
+                _ => settings,
+            };
+            let (folded, reference) = both(&Program::new(&circuit).unwrap(), &settings);
+            let found = difference(&folded, &reference);
+            assert!(found <= 1e-9, "{}: {found:e} V", file.display());
+            for (folded, reference) in folded.tracks.iter().zip(&reference.tracks) {
+                let pairs = folded.courses.iter().zip(&reference.courses);
+                for (folded, reference) in pairs {
+                    let ends = [folded, reference].map(|course| [course.least.volts, course.most.volts]);
+                    let apart = (ends[0][0] - ends[1][0]).abs().max((ends[0][1] - ends[1][1]).abs());
+                    assert!(apart <= 1e-6, "{}: {ends:?}", file.display());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn random_circuits() {
+    let mut dice = Dice(31);
+    for number in 0..30 {
+        let patch = circuits::circuit(&mut dice);
+        let circuit = circuit(&patch, &[]);
+        let record = ["A0", "A1", "A2", "N0", "N3", "u", "w"].map(str::to_owned).to_vec();
+        // A step that is no multiple of the time between samples, so that some lie within steps.
+        let settings =
+            RunSettings { step: 1.3e-3, every: 7e-3, record, ..RunSettings::of(&circuit).unwrap() };
+        let (folded, reference) = both(&Program::new(&circuit).unwrap(), &settings.lasting(3.0));
+        let found = difference(&folded, &reference);
+        assert!(found <= 1e-8, "circuit {number}: {found:e} V");
+    }
+}
+
+/// An amplifier that passes 100 V for a while: the kernel ends there, and holds again.
+#[test]
+fn overloads_are_the_same() {
+    let sine = element("sine").set("amplitude", 60).set("frequency", 1);
+    let patch = volts("overloaded for a while")
+        .drive("u", "volt", sine)
+        .element("S", element("summer").cords("x2", ["u"]))
+        .element("A", element("integrator").cords("x1", ["S", "A"]))
+        .build()
+        .unwrap();
+    let circuit = circuit(&patch, &[]);
+    let record = vec!["S".to_owned(), "A".to_owned()];
+    let settings = RunSettings { every: 1e-2, record, ..RunSettings::of(&circuit).unwrap() };
+    let program = Program::new(&circuit).unwrap();
+    let (folded, reference) = both(&program, &settings.lasting(2.0));
+    assert!(difference(&folded, &reference) <= 1e-10);
+    let [folded, reference] = [folded, reference].map(|trace| trace.sweeps[0].overloads.clone());
+    assert_eq!(folded.len(), 1);
+    assert_eq!(folded[0].element, "S");
+    assert!((folded[0].time - reference[0].time).abs() < 1e-9 && folded[0].peak == 120.0);
+}
+
+/// Recording does not change a run, and what is seen of a signal does not depend on what is recorded beside it.
+#[test]
+fn courses_are_the_same_with_any_recording() {
+    let patch = common::slideway();
+    let circuit = circuit(&patch, &[]);
+    let program = Program::new(&circuit).unwrap();
+    let own = RunSettings::of(&circuit).unwrap().lasting(0.3);
+    let whole = trace(&program, &own, Backend::Native);
+    for name in ["v_i", "v_o", "memory"] {
+        let settings = RunSettings { record: vec![name.to_owned()], every: 0.3, ..own.clone() };
+        for backend in Backend::ALL {
+            let alone = trace(&program, &settings, backend);
+            let [alone, beside] = [&alone, &whole].map(|trace| trace.track(name).unwrap().courses[0]);
+            let parts = |course: patchcord::trace::Course| {
+                let (least, most) = (course.least, course.most);
+                [course.start, course.end, least.volts, least.time, most.volts, most.time]
+            };
+            let pairs = parts(alone).into_iter().zip(parts(beside));
+            let bound = if backend == Backend::Reference { 1e-9 } else { 0.0 };
+            pairs.for_each(|(a, b)| assert!((a - b).abs() <= bound, "{name} by {backend}: {a} {b}"));
+        }
+    }
+}
+
+#[test]
+fn a_machine_by_hand_takes_any_backend() {
+    let program = program(&common::slideway(), &[]);
+    let voltages = Backend::ALL.map(|backend| {
+        let mut machine = Machine::new(&program, 2e-5).unwrap().on(backend);
+        machine.operate(0.01).unwrap();
+        machine.set("Fs", 700.0).unwrap();
+        machine.operate(0.05).unwrap();
+        machine.voltage("B3").unwrap()
+    });
+    assert!(voltages[1] == voltages[2] && voltages[1] == voltages[3]);
+    assert!((voltages[0] - voltages[1]).abs() < 1e-10);
+}
+
+/// A ramp that turns back within a step, between two samples.
+#[test]
+fn a_machine_stops_within_a_step_alike() {
+    let ramp = element("ramp").set("rate", 10).set("turn", 0.12345);
+    let builder = source(volts("ramp"), "level", 5.0).drive("u", "volt", ramp);
+    let program = built(builder.element("A", element("integrator").cords("x10", ["u", "level"])));
+    let reference = ran(&program, 1e-3, 0.25).voltage("A").unwrap();
+    // -10 (5 t + 5 t^2 up to the turn, and as much back beyond it)
+    let turn: f64 = 0.12345;
+    let area = |time: f64| 5.0 * time * time;
+    let expected = -10.0 * (5.0 * 0.25 + 2.0 * area(turn) - area(2.0 * turn - 0.25));
+    assert!((reference - expected).abs() < 1e-9, "{reference} {expected}");
+}
