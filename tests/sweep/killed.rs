@@ -11,7 +11,7 @@ const KILLS: usize = 10;
 
 fn command(out: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_patchcord"));
-    command.args(["sweep", "patches/lessons/mass-and-spring.json", "--for", "0.3", "--step", "1e-3"]);
+    command.args(["sweep", "patches/lessons/mass-and-spring.json", "--for", "3", "--step", "1e-4"]);
     command.args(["--vary", &format!("k=10:90:{}", RUNS / 3), "--vary", "m=1,2,4", "--measure", "peak:v"]);
     command.args(["--measure", "voltmeter:x", "--threads", "2", "--out"]).arg(out);
     command.stdout(Stdio::null()).stderr(Stdio::inherit());
