@@ -148,18 +148,36 @@ impl Folder<'_> {
     }
 
     fn lower_of(&mut self, a: Register, b: Register) -> Form {
-        if let Some(size) = self.size_of_opposites(a, b) {
-            return self.early.scaled(&size, Factor::Number(-1.0));
+        match self.size_of_opposites(a, b) {
+            Some(size) => self.early.scaled(&size, Factor::Number(-1.0)),
+            None => self.one_of(a, b, Early::lower_of, Node::Minimum),
         }
+    }
+
+    fn upper_of(&mut self, a: Register, b: Register) -> Form {
+        match self.size_of_opposites(a, b) {
+            Some(size) => size,
+            None => self.one_of(a, b, Early::upper_of, Node::Maximum),
+        }
+    }
+
+    /// The lower or the upper of two: of the prologue where neither moves.
+    fn one_of(
+        &mut self,
+        a: Register,
+        b: Register,
+        still: fn(&mut Early, Factor, Factor) -> Factor,
+        moving: fn(Operand, Operand) -> Node,
+    ) -> Form {
         if let [Some(a), Some(b)] = [a, b].map(|register| self.of(register).as_still()) {
-            return Form::still(self.early.lower_of(a, b));
+            return Form::still(still(&mut self.early, a, b));
         }
         if let Some((atom, factor)) = self.beside_zero(a, b) {
-            let node = self.node(Node::Minimum(Operand::Atom(atom), Operand::Factor(Factor::ZERO)));
+            let node = self.node(moving(Operand::Atom(atom), Operand::Factor(Factor::ZERO)));
             return self.early.scaled(&node, factor);
         }
         let [a, b] = [a, b].map(|register| self.read(register));
-        self.node(Node::Minimum(a, b))
+        self.node(moving(a, b))
     }
 
     /// Of an atom times a factor that is not negative, beside 0: both. The factor may as well be taken afterwards.
@@ -169,21 +187,6 @@ impl Folder<'_> {
             _ => None,
         };
         scaled.filter(|(_, factor)| self.early.is_not_negative(*factor))
-    }
-
-    fn upper_of(&mut self, a: Register, b: Register) -> Form {
-        if let Some(size) = self.size_of_opposites(a, b) {
-            return size;
-        }
-        if let [Some(a), Some(b)] = [a, b].map(|register| self.of(register).as_still()) {
-            return Form::still(self.early.upper_of(a, b));
-        }
-        if let Some((atom, factor)) = self.beside_zero(a, b) {
-            let node = self.node(Node::Maximum(Operand::Atom(atom), Operand::Factor(Factor::ZERO)));
-            return self.early.scaled(&node, factor);
-        }
-        let [a, b] = [a, b].map(|register| self.read(register));
-        self.node(Node::Maximum(a, b))
     }
 
     /// The size of either, where one is the negative of the other.

@@ -131,7 +131,11 @@ impl Machine<'_> {
     /// the next one.
     pub(super) fn glide(&mut self, steps: Steps, witness: &mut impl Witness) -> Result<u64, RunError> {
         let may = self.glider.backend != Backend::Reference && self.sensitivities.is_none();
-        if !may || !self.is_calm() || self.steps_before_jump(steps) == 0 {
+        if !may || !self.is_calm() {
+            return Ok(0);
+        }
+        let steps = Steps { count: self.steps_before_jump(steps), ..steps };
+        if steps.count == 0 {
             return Ok(0);
         }
         let mut glider = std::mem::take(&mut self.glider);
@@ -169,10 +173,9 @@ impl Machine<'_> {
         witness: &mut impl Witness,
     ) -> Result<u64, RunError> {
         let Some(mut is_decided) = flight.begin(self) else { return Ok(0) };
-        let all = self.steps_before_jump(steps);
         let (mut gone, mut is_quiet) = (0, true);
-        while is_quiet && gone < all {
-            let left = Steps { count: all - gone, ..steps.after(gone) };
+        while is_quiet && gone < steps.count {
+            let left = steps.after(gone);
             // Dust is swept on a grid of its own, so that what is recorded changes nothing.
             let count = left.until(witness.next_sample()).min(left.up_to_multiple_of(SWEPT));
             let count = count.min(if is_decided { u64::MAX } else { 1 });
