@@ -291,7 +291,8 @@ fn diagnostics_page() -> String {
          An *error* stops the patch; a *warning* does not. With `--json` every finding is an object of `code`, \
          `severity`, `file`, `line`, `column`, `message` and `hint`. The terminal shows the first 50 findings and \
          says how many more there are; `--json` gives all of them. For every code there are patches in \
-         `{FOLDER}`, named after it, each beside the report that it gets.\n\n\
+         `{FOLDER}`, named after it, each beside the report that it gets. What keeps a run from beginning or from going \
+         on has codes of its own: [patch-format.md](patch-format.md#the-recorded-table) lists them.\n\n\
          | code | severity | meaning | what to do |\n|---|---|---|---|\n{rows}\n\
          This page is written by `PATCHCORD_BLESS=1 cargo test --test bad_patches`.\n"
     )

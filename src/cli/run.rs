@@ -13,7 +13,7 @@ use super::readings::{readings_json, readings_told, sensitivities_json};
 use super::times::{TimeArguments, given, place_told, refused, times_json, with_advice};
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
-use patchcord::patch::RunPlan;
+use patchcord::patch::{RunPlan, suggestion};
 use patchcord::program::Program;
 use patchcord::solve::{self, RunError, RunSettings, Stopped};
 use patchcord::trace::{Trace, Work};
@@ -171,7 +171,7 @@ impl Arguments {
                 Ok(once(self.sensitivity.iter().cloned().chain(shown).collect()))
             }
             Some(name) => {
-                let hint = patchcord::patch::suggestion(name, &known).unwrap_or_default();
+                let hint = suggestion(name, &known).unwrap_or_else(|| "the patch has none".to_owned());
                 Err(Failure::usage(format!("there is no parameter {name} to differentiate by; {hint}")))
             }
         }
@@ -187,7 +187,7 @@ fn once(mut names: Vec<String>) -> Vec<String> {
 
 fn missing(name: &str, circuit: &Circuit) -> Failure {
     let known: Vec<&str> = circuit.signals().iter().map(|point| point.name.as_str()).collect();
-    let hint = patchcord::patch::suggestion(name, &known).unwrap_or_default();
+    let hint = suggestion(name, &known).unwrap_or_else(|| "name a drive or an element".to_owned());
     Failure::usage(format!("there is no signal {name} to record; {hint}"))
 }
 

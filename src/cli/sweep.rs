@@ -37,7 +37,7 @@ pub(super) struct Arguments {
     #[command(flatten)]
     times: TimeArguments,
     /// How many runs are made at the same time; as many as there are cores where it is not given
-    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Append the rows to this CSV file; a sweep that was killed goes on where it was
     #[arg(long, value_name = "FILE")]
@@ -114,6 +114,9 @@ impl Arguments {
             SweepError::NoMeasure => {
                 Failure::usage(format!("{error}: give --measure MEASURE\n\n{}", measures_told().trim_end()))
             }
+            SweepError::Phases(_) => Failure::usage(format!(
+                "{error}: measure voltmeter, peak, least or most, or give --for to run without phases"
+            )),
             SweepError::SameColumn(_) => Failure::usage(error.to_string()),
         }
     }
@@ -127,7 +130,7 @@ impl Arguments {
 /// A file of rows is data, everything else stands on the command line.
 fn unplanned(error: PlanError) -> Failure {
     match error {
-        PlanError::Rows { .. } => Failure::data(error.to_string()),
+        PlanError::Rows { .. } | PlanError::Unread { .. } => Failure::data(error.to_string()),
         PlanError::Nothing => {
             Failure::usage("nothing is varied: give --vary NAME=FIRST:LAST:COUNT or --rows FILE.csv")
         }

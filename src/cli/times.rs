@@ -1,12 +1,13 @@
 //! The options that tell how long and how finely to run, and what is said of runs that cannot be made.
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 
 use super::failure::Failure;
 use patchcord::circuit::Circuit;
 use patchcord::patch::{Placed, RunPlan, Span};
-use patchcord::solve::{Backend, RunError, RunSettings, TimeSetting};
+use patchcord::solve::{Backend, LEAST_TOLERANCE, RunError, RunSettings, TimeSetting};
 
 #[derive(Args)]
 pub(super) struct TimeArguments {
@@ -17,22 +18,21 @@ pub(super) struct TimeArguments {
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     step: Option<f64>,
     /// Steps as long as this allows: what the errors of all steps may add up to, as a share of 100 V, say 1e-6
-    #[arg(long = "tol", value_name = "SHARE", value_parser = share, conflicts_with = "step")]
+    #[arg(long = "tol", value_name = "SHARE", allow_hyphen_values = true, value_parser = share, conflicts_with = "step")]
     tolerance: Option<f64>,
     /// Time between recorded samples, in problem seconds
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     every: Option<f64>,
-    /// What works the steps out: automatic, interpreter, native, or the reference; all but the last give the same bits
-    #[arg(long, value_name = "BACKEND", value_parser = backend, default_value_t)]
+    /// What works the steps out; all but the reference give the same bits
+    #[arg(long, value_name = "BACKEND", value_parser = backend(), default_value_t)]
     backend: Backend,
 }
 
-fn backend(text: &str) -> Result<Backend, String> {
-    let names = || Backend::ALL.map(Backend::name).join(", ");
-    Backend::ALL
-        .into_iter()
-        .find(|backend| backend.name() == text)
-        .ok_or_else(|| format!("there are {}", names()))
+/// The names of backends, which stand in the help and in completions.
+fn backend() -> impl TypedValueParser<Value = Backend> {
+    let named = |name: String| Backend::ALL.into_iter().find(|backend| backend.name() == name);
+    PossibleValuesParser::new(Backend::ALL.map(Backend::name))
+        .map(move |name| named(name).unwrap_or_default())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -46,10 +46,12 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 fn share(text: &str) -> Result<f64, String> {
     let share: f64 = text.parse().map_err(|_| format!("\"{text}\" is not a number"))?;
-    if share > 0.0 && share < 1.0 {
+    if (LEAST_TOLERANCE..1.0).contains(&share) {
         Ok(share)
     } else {
-        Err("a number between 0 and 1 is wanted, say 1e-6".to_owned())
+        Err(format!(
+            "a number from {LEAST_TOLERANCE:e} to 1 is wanted, say 1e-6: the rounding of numbers is no smaller"
+        ))
     }
 }
 

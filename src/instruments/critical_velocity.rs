@@ -41,6 +41,14 @@ pub enum NoCriticalVelocity {
     /// Too few samples stand in a window.
     #[error("{0} samples stand in a window: at least {FEWEST_SAMPLES} are needed")]
     TooCoarse(usize),
+    /// The run ends before a window does.
+    #[error("the window of {} s is longer than the run of {} s", told(*.window), told(*.run))]
+    WindowTooLong {
+        /// Length of the window in seconds.
+        window: f64,
+        /// Length of the run in seconds.
+        run: f64,
+    },
     /// The command alone passes the threshold.
     #[error("the command alone changes by {} within a window, which is not below the threshold", told(*.0))]
     CommandTooFast(f64),
@@ -109,10 +117,14 @@ impl<'a> Profile<'a> {
         if !(threshold > 0.0 && window > 0.0 && window.is_finite()) {
             return Err(NoCriticalVelocity::BadCriterion);
         }
-        let spacing = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
+        let run = time[time.len() - 1] - time[0];
+        let spacing = run / (time.len() - 1) as f64;
         let span = (window / spacing).round() as usize;
-        if span < FEWEST_SAMPLES || span > time.len() {
-            return Err(NoCriticalVelocity::TooCoarse(span.min(time.len())));
+        if span > time.len() {
+            return Err(NoCriticalVelocity::WindowTooLong { window, run });
+        }
+        if span < FEWEST_SAMPLES {
+            return Err(NoCriticalVelocity::TooCoarse(span));
         }
         let fastest = swings(command, span).fold(0.0, f64::max);
         if fastest >= threshold {
@@ -253,6 +265,7 @@ mod tests {
         let [time, command, velocity] = profile(4.0, 3.0, 1.0);
         let with = |criterion| both(critical_velocity(&time, &command, &velocity, criterion)).0;
         assert_eq!(with(Criterion { window: 0.005, ..CRITERION }), TooCoarse(5));
+        assert_eq!(with(Criterion { window: 9.0, ..CRITERION }), WindowTooLong { window: 9.0, run: 8.0 });
         assert_eq!(with(Criterion { threshold: 0.0, ..CRITERION }), BadCriterion);
         assert!(matches!(with(Criterion { threshold: 0.03, ..CRITERION }), CommandTooFast(_)));
         let (time, wave) = sampled(8001, 1e-3, |t| (t.sin() + 0.3 * (9.0 * t).sin()) * (1.0 - t / 8.0));

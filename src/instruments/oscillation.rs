@@ -21,7 +21,7 @@ pub enum OscillationError {
     #[error("a signal has one finite value for each of its times, which rise")]
     NotASignal,
     /// It does not go to and fro, or not often enough.
-    #[error("no oscillation: {0} whole cycles, and at least {FEWEST_CYCLES} are needed")]
+    #[error("no oscillation: {0} of at least {FEWEST_CYCLES} whole cycles")]
     TooFewCycles(usize),
     /// There are too few samples in a cycle.
     #[error("{0:.1} samples in a cycle: at least {FEWEST_SAMPLES} are needed")]
@@ -37,15 +37,24 @@ const ROUNDING: f64 = 1e-9;
 
 /// Reads amplitude and frequency off a signal, from its rises through the middle between its least and largest value.
 /// The signal must have settled: a drift or a decay counts as amplitude. Extremes are refined by the parabola through
-/// three samples. `time` in seconds, rising.
+/// three samples; at a corner, by the straight lines on both sides of it. `time` in seconds, rising.
 ///
 /// # Errors
 /// When the signal is not one, shows fewer than two whole cycles, or fewer than eight samples a cycle.
 pub fn oscillation(time: &[f64], values: &[f64]) -> Result<Oscillation, OscillationError> {
+    oscillation_within(time, values, [f64::NEG_INFINITY, f64::INFINITY])
+}
+
+/// The same of a signal of which it is known how far it goes: no corner lies beyond.
+pub(super) fn oscillation_within(
+    time: &[f64],
+    values: &[f64],
+    [least, most]: [f64; 2],
+) -> Result<Oscillation, OscillationError> {
     if values.is_empty() || !is_signal(time, values) {
         return Err(OscillationError::NotASignal);
     }
-    let (low, high) = (extreme(time, values, -1.0), extreme(time, values, 1.0));
+    let (low, high) = (extreme(time, values, -1.0, least), extreme(time, values, 1.0, most));
     let rises = rises(time, values, (low, high));
     let cycles = rises.len().saturating_sub(1);
     if cycles < FEWEST_CYCLES || high - low <= ROUNDING * low.abs().max(high.abs()) {
@@ -59,8 +68,8 @@ pub fn oscillation(time: &[f64], values: &[f64]) -> Result<Oscillation, Oscillat
     Ok(Oscillation { amplitude: 0.5 * (high - low), frequency: cycles as f64 / (end - begin), cycles })
 }
 
-/// The largest value (sign 1) or the least one (sign -1).
-fn extreme(time: &[f64], values: &[f64], sign: f64) -> f64 {
+/// The largest value (sign 1) or the least one (sign -1); a corner no further than the limit.
+fn extreme(time: &[f64], values: &[f64], sign: f64, limit: f64) -> f64 {
     let mut best = 0;
     for (index, value) in values.iter().enumerate() {
         if sign * (value - values[best]) > 0.0 {
@@ -71,8 +80,33 @@ fn extreme(time: &[f64], values: &[f64], sign: f64) -> f64 {
     if !inside || values[best - 1] == values[best] || values[best] == values[best + 1] {
         return values[best];
     }
-    vertex(&time[best - 1..=best + 1], &values[best - 1..=best + 1]).value
+    match corner(time, values, best) {
+        Some(corner) => sign * (sign * values[best]).max((sign * corner).min(sign * limit)),
+        None => vertex(&time[best - 1..=best + 1], &values[best - 1..=best + 1]).value,
+    }
 }
+
+/// At a top that is a corner rather than round: where the straight lines on both sides of it meet.
+fn corner(time: &[f64], values: &[f64], top: usize) -> Option<f64> {
+    if top < 2 || top + 2 >= values.len() {
+        return None;
+    }
+    let slope = |from: usize| (values[from + 1] - values[from]) / (time[from + 1] - time[from]);
+    let bend = |at: usize| ((slope(at) - slope(at - 1)) / (time[at + 1] - time[at - 1])).abs();
+    let [before, after] = [bend(top - 1), bend(top + 1)];
+    if before.min(after) > ROUND * bend(top) {
+        return None;
+    }
+    // The top itself lies on the side that is the straighter with it.
+    let (left, right) = if before < after { (top - 1, top + 1) } else { (top - 2, top) };
+    let (up, down) = (slope(left), slope(right));
+    let reach = time[right] - time[left + 1];
+    let beyond = (values[right] - values[left + 1] - down * reach) / (up - down);
+    (up * down < 0.0).then_some(values[left + 1] + up * beyond)
+}
+
+/// A round top bends beside itself by more than this share of what it bends at itself: a sine of eight samples by 0.41.
+const ROUND: f64 = 0.25;
 
 /// When the signal rises through the middle, on its way from below a band about it to above.
 fn rises(time: &[f64], values: &[f64], (low, high): (f64, f64)) -> Vec<f64> {
@@ -107,6 +141,24 @@ mod tests {
             let read = oscillation(&time, &values).unwrap();
             assert!((read.amplitude - 2.0).abs() < 1e-4, "{read:?}");
             assert!((read.frequency / frequency - 1.0).abs() < 1e-4, "{read:?}");
+        }
+    }
+
+    /// Heats towards 1 and cools towards -3, from a corner at 0.2 to one at 0.1.
+    fn thermostat(time: f64) -> f64 {
+        let (rise, fall) = ((0.9f64 / 0.8).ln(), (3.2f64 / 3.1).ln());
+        let phase = time.rem_euclid(rise + fall);
+        if phase < rise { 1.0 - 0.9 * (-phase).exp() } else { 3.2 * (rise - phase).exp() - 3.0 }
+    }
+
+    #[test]
+    fn corners_are_met_and_not_passed() {
+        for spacing in [0.003, 0.007, 0.011] {
+            let (time, values) = sampled(2000, spacing, |t| thermostat(t + 0.05));
+            let read = oscillation(&time, &values).unwrap();
+            assert!((read.amplitude / 0.05 - 1.0).abs() < 2e-3, "{spacing}: {read:?}");
+            let known = oscillation_within(&time, &values, [0.1, 0.2]).unwrap();
+            assert!((-1e-3..=1e-15).contains(&(known.amplitude / 0.05 - 1.0)), "{spacing}: {known:?}");
         }
     }
 

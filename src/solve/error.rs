@@ -66,7 +66,8 @@ pub enum RunError {
     /// A voltage that no step is short enough to follow.
     #[error(
         "{element} cannot be followed at t = {time} s: even a step of {step} s is not right to the tolerance; take a \
-         larger one, or look for what makes the voltage run away there"
+         larger tolerance, or look for what makes the voltage run away there",
+        time = told(*time), step = told(*step)
     )]
     StepTooShort {
         /// The integrator or lag whose error is largest.
@@ -199,10 +200,15 @@ pub enum RunError {
         value: f64,
     },
     /// A tolerance that is none.
-    #[error("the tolerance must be a number above 0, not {value}", value = told(*value))]
+    #[error(
+        "the tolerance must be a number from {least} on, not {value}: the rounding of numbers is no smaller",
+        value = told(*value), least = told(*least)
+    )]
     NotATolerance {
         /// What was given.
         value: f64,
+        /// The limit.
+        least: f64,
     },
     /// A step, or a time between samples, that is longer than the run.
     #[error(

@@ -6,6 +6,7 @@ use super::error::{RunError, TimeSetting};
 use super::glide::{Flight, Glider};
 use super::noise_source::NoiseSource;
 use super::overload::{self, Lit};
+use super::run::check_tolerance;
 use super::sensitivity::Sensitivities;
 use super::tableau::{CLASSICAL, DORMAND_PRINCE, Tableau};
 use crate::grid::Grid;
@@ -142,12 +143,10 @@ impl<'p> Machine<'p> {
     /// problem seconds.
     ///
     /// # Errors
-    /// When the tolerance is not a number above 0, the step is not a time above 0, or a voltage in initial condition
+    /// When the tolerance is not a number from [`LEAST_TOLERANCE`](super::LEAST_TOLERANCE) on, the step is not a time above 0, or a voltage in initial condition
     /// is not a number.
     pub fn adaptive(program: &'p Program, tolerance: f64, first: f64) -> Result<Self, RunError> {
-        if !(tolerance > 0.0 && tolerance.is_finite()) {
-            return Err(RunError::NotATolerance { value: tolerance });
-        }
+        check_tolerance(tolerance)?;
         let mut machine = Machine::bare(program, first)?;
         machine.method = &DORMAND_PRINCE;
         machine.rates = vec![vec![0.0; program.states.len()]; DORMAND_PRINCE.rates()];

@@ -26,4 +26,4 @@ pub use crate::trace::{Overload, Work};
 pub use error::{RunError, Stopped, TimeSetting};
 pub use hands::preset;
 pub use machine::{Machine, MachineMode};
-pub use run::{RunSettings, check, machine_after, run, run_watched};
+pub use run::{LEAST_TOLERANCE, RunSettings, check, machine_after, run, run_watched};

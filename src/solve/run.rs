@@ -19,8 +19,8 @@ pub struct RunSettings {
     /// Step of the solver, above 0. Shorter is more accurate (order 4 where the circuit is smooth) and slower.
     pub step: f64,
     /// With one, steps are as long as it allows, and `step` is the first one tried: what the errors of the steps from
-    /// one initial condition to the next may add up to in any state, in machine units of 100 V. Where motion
-    /// amplifies errors, as stick-slip does, the result is less right than that.
+    /// one initial condition to the next may add up to in any state, in machine units of 100 V, [`LEAST_TOLERANCE`] or
+    /// more. Where motion amplifies errors, as stick-slip does, the result is less right than that.
     pub tolerance: Option<f64>,
     /// Time between recorded samples, above 0. Recording never changes the steps.
     pub every: f64,
@@ -107,9 +107,7 @@ impl RunSettings {
                 return Err(RunError::LongerThanRun { which, value, duration: extent.longest });
             }
         }
-        if let Some(value) = self.tolerance.filter(|value| !(*value > 0.0 && value.is_finite())) {
-            return Err(RunError::NotATolerance { value });
-        }
+        self.tolerance.map_or(Ok(()), check_tolerance)?;
         self.check_size(extent)
     }
 
@@ -130,6 +128,15 @@ impl RunSettings {
         }
         Ok(())
     }
+}
+
+/// The least tolerance of a run. Below it the rounding of numbers is more than what the steps err by: of the problems
+/// with known solutions none comes nearer to its solution.
+pub const LEAST_TOLERANCE: f64 = 1e-13;
+
+pub(super) fn check_tolerance(value: f64) -> Result<(), RunError> {
+    let is_one = value >= LEAST_TOLERANCE && value.is_finite();
+    if is_one { Ok(()) } else { Err(RunError::NotATolerance { value, least: LEAST_TOLERANCE }) }
 }
 
 fn check_time(which: TimeSetting, value: f64) -> Result<(), RunError> {

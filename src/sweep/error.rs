@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::patch::told;
+
 /// What is wrong with a plan.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
@@ -22,12 +24,14 @@ pub enum PlanError {
         text: String,
     },
     /// A count of points that is none.
-    #[error("\"{text}\" points cannot be spaced for {name}: at least 2 are needed, one for each end")]
+    #[error("\"{text}\" points cannot be spaced for {name}: write a whole number from 2 to {}", told(*.most as f64))]
     BadCount {
         /// The parameter.
         name: String,
         /// What was given.
         text: String,
+        /// The limit.
+        most: u64,
     },
     /// Logarithmic spacing from or to 0 or below.
     #[error("{0} has a logarithm above 0 only: space it without \":log\"")]
@@ -63,7 +67,15 @@ pub enum PlanError {
         /// The limit.
         most: u64,
     },
-    /// A file of rows that cannot be read.
+    /// A file of rows that the system does not give.
+    #[error("cannot read {}: {why}", .file.display())]
+    Unread {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        why: String,
+    },
+    /// A file of rows that is no such table.
     #[error("{}: {message}", .file.display())]
     Rows {
         /// The file.
@@ -85,15 +97,23 @@ pub enum JournalError {
         #[source]
         error: std::io::Error,
     },
+    /// Another sweep writes to it at this moment.
+    #[error("another sweep is writing {}: wait until it is done, or give another file", .file.display())]
+    Busy {
+        /// The file.
+        file: PathBuf,
+    },
     /// It is of another sweep, or no sweep at all.
     #[error(
-        "{} is not the table of this sweep, and was left as it is: line {line} is \"{found}\", and this sweep has \
+        "{} is not the table of this sweep, and was left as it is: {change}line {line} is \"{found}\", and this sweep has \
          \"{wanted}\" there; give another file, or remove this one",
         .file.display()
     )]
     OfAnother {
         /// The file.
         file: PathBuf,
+        /// What changed since it was written, where that can be told; empty, or ending in "; ".
+        change: String,
         /// The first line that differs, from 1.
         line: u64,
         /// What stands there.

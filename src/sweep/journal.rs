@@ -5,7 +5,7 @@
 //! says which sweep it belongs to, to the bit. Whoever opens it again finds the head, whole rows, and at most one part
 //! of a row, which is cut off; the rows are those that the sweep writes anew, so that the file ends with the same bytes.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ pub(super) struct Journal {
 
 impl Journal {
     /// Opens a table, or makes it. One that is there must have this head, and rows of which each begins as told for
-    /// its number, and no more of them than there are runs.
+    /// its number, and no more of them than there are runs. It is locked until it is closed.
     pub fn open(
         path: &Path,
         head: &str,
@@ -38,6 +38,7 @@ impl Journal {
         }
         let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
         let file = file.map_err(refused)?;
+        lock(&file, path)?;
         let mut reader = Reader { path, lines: BufReader::new(&file), line: 0, whole: 0 };
         let rows = if reader.head(head)? { reader.rows(runs, beginning)? } else { 0 };
         let whole = reader.whole;
@@ -54,6 +55,15 @@ impl Journal {
     pub fn append(&mut self, text: &str) -> Result<(), JournalError> {
         let written = self.file.write_all(text.as_bytes());
         written.map_err(|error| JournalError::Io { file: self.path.clone(), error })
+    }
+}
+
+/// Keeps other sweeps out. The system takes the lock away with the process, however that ends; where it has no locks,
+/// nobody is kept out.
+fn lock(file: &File, path: &Path) -> Result<(), JournalError> {
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(JournalError::Busy { file: path.to_owned() }),
+        _ => Ok(()),
     }
 }
 
@@ -122,15 +132,33 @@ impl Reader<'_> {
     }
 
     fn of_another(&self, found: &[u8], wanted: &str) -> JournalError {
-        let shown = |text: &str| text.trim_end().chars().take(SHOWN).collect();
+        let found = String::from_utf8_lossy(found);
+        let shown =
+            |text: &str| text.trim_end_matches('\n').replace('\r', "\\r").chars().take(SHOWN).collect();
         JournalError::OfAnother {
             file: self.path.to_owned(),
+            change: change(&found, wanted),
             line: self.line,
-            found: shown(&String::from_utf8_lossy(found)),
+            found: shown(&found),
             wanted: shown(wanted),
         }
     }
 }
+
+/// What happened since the file was written, where two lines tell.
+fn change(found: &str, wanted: &str) -> String {
+    if found.strip_suffix("\r\n").is_some_and(|found| wanted.strip_suffix('\n') == Some(found)) {
+        return "another program has ended its lines with carriage returns; ".to_owned();
+    }
+    let print = wanted.strip_prefix(FINGERPRINT).and_then(|print| print.split_once(':'));
+    match print.filter(|(what, _)| found.starts_with(&format!("{FINGERPRINT}{what}:"))) {
+        Some((what, _)) => format!("{what} changed since; "),
+        None => String::new(),
+    }
+}
+
+/// What a line of the head begins with that tells a fingerprint.
+pub(super) const FINGERPRINT: &str = "# fingerprint of ";
 
 #[cfg(test)]
 mod tests {
@@ -176,6 +204,11 @@ mod tests {
                 "FILE is not the table of this sweep, and was left as it is: line 1 is \"t,x\", and this",
             ),
             ("# a sweep\n# of m\n", "FILE is not the table of this sweep, and was left as it is: line 2 is"),
+            (
+                "# a sweep\r\n# of k\r\n",
+                "FILE is not the table of this sweep, and was left as it is: another program has ended its lines with \
+                 carriage returns; line 1 is \"# a sweep\\r\", and this sweep has \"# a sweep\" there",
+            ),
             ("# a sweep\n# of k\nk,x\n1,one\n", "FILE is not the table of this sweep"),
             ("# a sweep\n# of k\nk,x\n0\n", "FILE is not the table of this sweep"),
             ("# a sweep\n# of k\nk,x\n0,zero\n1,", ""),

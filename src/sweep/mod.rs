@@ -18,11 +18,12 @@ pub use row::Row;
 
 use std::fmt::{self, Write as _};
 use std::io;
+use std::mem;
 use std::path::Path;
 
 use crate::instruments::{Column, Measure};
 use crate::program::Program;
-use crate::solve::{Backend, RunError, RunSettings};
+use crate::solve::{Backend, Phase, RunError, RunSettings};
 use crate::trace::number;
 use journal::Journal;
 
@@ -45,6 +46,9 @@ pub enum SweepError {
     /// Two columns would have the same name.
     #[error("two columns would be called {0}: measure it once, or name the parameter otherwise")]
     SameColumn(String),
+    /// A measure of samples that rise in time, of runs in which two stand at one instant.
+    #[error("{0} cannot be read of a run within which a phase waits for a relay or sets a parameter")]
+    Phases(String),
     /// The settings make no run.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -71,7 +75,8 @@ impl Sweep {
     /// patch is told in the table.
     ///
     /// # Errors
-    /// When nothing is measured, two columns would have the same name, or the settings make no run.
+    /// When nothing is measured, a measure cannot be read of such runs, two columns would have the same name, or the
+    /// settings make no run.
     pub fn new(
         name: &str,
         program: Program,
@@ -81,6 +86,10 @@ impl Sweep {
     ) -> Result<Sweep, SweepError> {
         if measures.is_empty() {
             return Err(SweepError::NoMeasure);
+        }
+        if let Some(measure) = measures.iter().find(|measure| measure.is_sampled() && jumps(&settings.phases))
+        {
+            return Err(SweepError::Phases(measure.text()));
         }
         let mut record: Vec<String> = Vec::new();
         for signal in measures.iter().flat_map(Measure::signals) {
@@ -136,8 +145,9 @@ impl Sweep {
         lines.extend(self.plan.texts().iter().map(|axis| format!("vary: {axis}")));
         lines.push(format!("with: {}", self.kept_parameters()));
         lines.push(format!("run: {}", self.run_told()));
+        lines.extend(self.backend_told());
         lines.extend(self.measures.iter().map(|measure| format!("measure: {}", measure.text())));
-        lines.push(format!("fingerprint: {:016x}", self.fingerprint()));
+        lines.extend(self.fingerprints());
         let units = self.columns().into_iter().filter(|column| !column.unit.is_empty());
         lines.extend(units.map(|column| format!("{}: {}", column.name, column.unit)));
         let one_line =
@@ -163,21 +173,26 @@ impl Sweep {
         format!("for {duration} s, {step}, recorded every {} s", number(*every))
     }
 
-    /// A number that differs, but for accidents, when anything differs on which the rows depend.
-    fn fingerprint(&self) -> u64 {
-        let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-        // All backends but the reference give the same bits.
-        let backend = match self.settings.backend {
-            Backend::Reference => Backend::Reference,
-            _ => Backend::Automatic,
-        };
-        let settings = RunSettings { backend, ..self.settings.clone() };
-        // Writing into it never fails.
-        let _ = write!(hash, "{:?}\n{:?}\n{:?}\n", self.program, settings, self.plan);
-        self.measures.iter().for_each(|measure| {
-            let _ = writeln!(hash, "{}", measure.text());
-        });
-        hash.0
+    /// All backends but the reference give the same bits, and with a tolerance all do.
+    fn backend_told(&self) -> Option<String> {
+        let RunSettings { backend, tolerance, .. } = self.settings;
+        let decides = backend == Backend::Reference && tolerance.is_none();
+        decides.then(|| format!("backend: {backend}"))
+    }
+
+    /// Numbers that differ, but for accidents, when something differs on which the rows depend and that no other line
+    /// tells.
+    fn fingerprints(&self) -> impl Iterator<Item = String> {
+        let mut program = self.program.clone();
+        let tables = (mem::take(&mut program.tables), mem::take(&mut program.corners));
+        let run = (&self.settings.phases, self.settings.hold_on_overload);
+        let rows: Vec<_> = self.plan.rows().collect();
+        let prints = [
+            Some(("the patch", Fnv::of(&(program, run)))),
+            (!tables.0.is_empty()).then(|| ("the patch's tables", Fnv::of(&tables))),
+            (!rows.is_empty()).then(|| ("the file of rows", Fnv::of(&rows))),
+        ];
+        prints.into_iter().flatten().map(|(of, Fnv(print))| format!("fingerprint of {of}: {print:016x}"))
     }
 
     /// Makes all runs on so many threads, and writes head and rows.
@@ -242,8 +257,31 @@ impl Sweep {
     }
 }
 
+/// Whether a relay or a hand ends a phase within the last run, where the record then has two samples.
+fn jumps(phases: &[Phase]) -> bool {
+    let (mut ran, mut jumps) = (false, false);
+    let mut look = |phase: &Phase| match phase {
+        Phase::InitialCondition => (ran, jumps) = (false, false),
+        Phase::Operate { until, .. } => (ran, jumps) = (true, jumps || until.is_some()),
+        Phase::Hold { .. } => ran = true,
+        Phase::Set { .. } => jumps |= ran,
+        Phase::Repeat { .. } => (),
+    };
+    phases.iter().for_each(|phase| phase.for_each(&mut look));
+    jumps
+}
+
 /// The hash of Fowler, Noll and Vo, 64 bits, variant 1a.
 struct Fnv(u64);
+
+impl Fnv {
+    fn of(what: &impl fmt::Debug) -> Fnv {
+        let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
+        // Writing into it never fails.
+        let _ = write!(hash, "{what:?}");
+        hash
+    }
+}
 
 impl fmt::Write for Fnv {
     fn write_str(&mut self, text: &str) -> fmt::Result {
@@ -259,11 +297,7 @@ mod tests {
 
     #[test]
     fn the_hash_is_that_of_its_authors() {
-        let hash = |text: &str| {
-            let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-            hash.write_str(text).unwrap();
-            hash.0
-        };
+        let hash = |text: &str| Fnv::of(&format_args!("{text}")).0;
         assert_eq!(hash(""), 0xcbf2_9ce4_8422_2325);
         assert_eq!(hash("a"), 0xaf63_dc4c_8601_ec8c);
         assert_eq!(hash("foobar"), 0x8594_4171_f739_67e8);

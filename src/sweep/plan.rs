@@ -131,7 +131,11 @@ impl Axis {
 
 fn count_of(name: &str, text: &str) -> Result<u64, PlanError> {
     let count = text.trim().parse().ok().filter(|count| (2..=MOST_RUNS).contains(count));
-    count.ok_or_else(|| PlanError::BadCount { name: name.trim().to_owned(), text: text.to_owned() })
+    count.ok_or_else(|| PlanError::BadCount {
+        name: name.trim().to_owned(),
+        text: text.to_owned(),
+        most: MOST_RUNS,
+    })
 }
 
 pub(super) fn slot<'p>(program: &'p Program, name: &str) -> Result<&'p ParameterSlot, PlanError> {
@@ -145,7 +149,7 @@ pub(super) fn slot<'p>(program: &'p Program, name: &str) -> Result<&'p Parameter
     })
 }
 
-fn in_range(slot: &ParameterSlot, value: f64) -> Result<(), PlanError> {
+pub(super) fn in_range(slot: &ParameterSlot, value: f64) -> Result<(), PlanError> {
     let (low, high) = slot.range.unwrap_or((f64::MIN, f64::MAX));
     if low <= value && value <= high {
         return Ok(());
@@ -193,6 +197,14 @@ impl Plan {
     /// The axes as they were asked for.
     pub fn texts(&self) -> Vec<String> {
         self.axes.iter().map(Axis::text).collect()
+    }
+
+    /// The values of its axes that stand in files.
+    pub(super) fn rows(&self) -> impl Iterator<Item = &[f64]> {
+        self.axes.iter().filter_map(|axis| match &axis.values {
+            Values::Rows { values, .. } => Some(values.as_slice()),
+            _ => None,
+        })
     }
 
     /// The values of a run, counted from 0, in the order of the names and in declared units.
@@ -248,13 +260,18 @@ mod tests {
 
     #[test]
     fn what_makes_no_plan_is_told() {
-        let cases: [(&[&str], &str); 11] = [
+        let cases: [(&[&str], &str); 13] = [
             (&[], "nothing is varied"),
             (&["VcL"], "\"VcL\" gives no values: write NAME=FIRST:LAST:COUNT"),
             (&["VcL=1:2:3:4"], "\"VcL=1:2:3:4\" gives no values"),
             (&["VcL=1e-3:fast:3"], "\"fast\" is not a finite number, for VcL"),
             (&["VcL=1e-3,NaN"], "\"NaN\" is not a finite number"),
-            (&["VcL=1e-3:2e-3:1"], "\"1\" points cannot be spaced"),
+            (
+                &["VcL=1e-3:2e-3:1"],
+                "\"1\" points cannot be spaced for VcL: write a whole number from 2 to 1e9",
+            ),
+            (&["VcL=1e-3:2e-3:1e12"], "\"1e12\" points cannot be spaced"),
+            (&["VcL=1e-3:2e-3:2.5:log"], "\"2.5\" points cannot be spaced"),
             (&["VcL=0:2e-3:5:log"], "VcL has a logarithm above 0 only"),
             (&["VLc=1e-3:2e-3:5"], "there is no parameter VLc to vary; did you mean \"VcL\"?"),
             (&["VcL=1e-3:1:5"], "VcL = 1 m/s is outside its range 0.000254 m/s ... 0.05 m/s"),

@@ -6,9 +6,10 @@ use std::path::Path;
 use csv::StringRecord;
 
 use super::error::PlanError;
-use super::plan::{Axis, Values, slot};
+use super::plan::{Axis, Values, in_range, slot};
+use crate::output::refusal;
 use crate::patch::Unit;
-use crate::program::Program;
+use crate::program::{ParameterSlot, Program};
 
 /// Bytes of the largest file that is read.
 const LARGEST: u64 = 100_000_000;
@@ -20,34 +21,36 @@ impl Axis {
     /// # Errors
     /// When the file cannot be read, or is no such table.
     pub fn read(path: &Path, program: &Program) -> Result<Axis, PlanError> {
-        let fault = |message: String| PlanError::Rows { file: path.to_owned(), message };
-        let text = text_of(path).map_err(|error| fault(error.to_string()))?;
+        let text = text_of(path)
+            .map_err(|error| PlanError::Unread { file: path.to_owned(), why: refusal(&error) })?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        check_units(text, program).map_err(fault)?;
-        let mut reader = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .from_reader(text.as_bytes());
-        let mut records = reader.records();
-        let Some(names) = records.next() else { return Err(fault(EMPTY.to_owned())) };
-        let names: Vec<_> =
-            names.map_err(|error| fault(error.to_string()))?.iter().map(str::to_owned).collect();
-        names
-            .iter()
-            .try_for_each(|name| slot(program, name).map(drop))
-            .map_err(|error| fault(error.to_string()))?;
-        let mut values = Vec::new();
-        for record in records {
-            let record = record.map_err(|error| fault(error.to_string()))?;
-            values.extend(numbers(&record, &names).map_err(fault)?);
-        }
-        if values.is_empty() {
-            return Err(fault(EMPTY.to_owned()));
-        }
+        let read = check_units(text, program).and_then(|()| rows(text, program));
+        let (names, values) = read.map_err(|message| PlanError::Rows { file: path.to_owned(), message })?;
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         Ok(Axis { names, values: Values::Rows { file, values } })
     }
+}
+
+/// The names of parameters, and their values row by row.
+fn rows(text: &str, program: &Program) -> Result<(Vec<String>, Vec<f64>), String> {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let mut records = reader.records().map(|record| record.map_err(|error| error.to_string()));
+    let names = records.next().ok_or(EMPTY)??;
+    let slots = names.iter().map(|name| slot(program, name)).collect::<Result<Vec<_>, _>>();
+    let slots = slots.map_err(|error| error.to_string())?;
+    let mut values = Vec::new();
+    for record in records {
+        values.extend(numbers(&record?, &slots)?);
+    }
+    if values.is_empty() {
+        return Err(EMPTY.to_owned());
+    }
+    Ok((names.iter().map(str::to_owned).collect(), values))
 }
 
 const EMPTY: &str = "a line of parameters' names is needed, and a line of values for every run";
@@ -82,14 +85,25 @@ fn check_units(text: &str, program: &Program) -> Result<(), String> {
 }
 
 /// The numbers of a row.
-fn numbers(record: &StringRecord, names: &[String]) -> Result<Vec<f64>, String> {
+fn numbers(record: &StringRecord, slots: &[&ParameterSlot]) -> Result<Vec<f64>, String> {
     let line = record.position().map_or(0, csv::Position::line);
-    let number = |(field, name): (&str, &String)| {
+    if record.len() != slots.len() {
+        let fields = if record.len() == 1 { "field" } else { "fields" };
+        return Err(format!(
+            "line {line} has {} {fields}, and the line of names {}",
+            record.len(),
+            slots.len()
+        ));
+    }
+    let number = |(field, slot): (&str, &&ParameterSlot)| {
         let number = field.parse().ok().filter(|number: &f64| number.is_finite());
-        number
-            .ok_or_else(|| format!("line {line} has \"{field}\" where a finite number is needed, for {name}"))
+        let number = number.ok_or_else(|| {
+            format!("line {line} has \"{field}\" where a finite number is needed, for {}", slot.name)
+        })?;
+        in_range(slot, number).map_err(|error| format!("line {line}: {error}"))?;
+        Ok(number)
     };
-    record.iter().zip(names).map(number).collect()
+    record.iter().zip(slots).map(number).collect()
 }
 
 #[cfg(test)]
@@ -122,10 +136,10 @@ mod tests {
             ("", "FILE: a line of parameters' names is needed"),
             ("VcL\n", "FILE: a line of parameters' names is needed"),
             ("VLc\n1\n", "FILE: there is no parameter VLc to vary; did you mean \"VcL\"?"),
-            ("VcL,Tc\n1e-3\n", "FILE: CSV error: record 1 (line: 2, byte: 7): found record with 1 fields"),
+            ("VcL,Tc\n1e-3\n", "FILE: line 2 has 1 field, and the line of names 2"),
             ("VcL,Tc\n1e-3,\n", "FILE: line 2 has \"\" where a finite number is needed, for Tc"),
             ("VcL\n1e-3\ninf\n", "FILE: line 3 has \"inf\" where"),
-            ("VcL\n1\n", "VcL = 1 m/s is outside its range"),
+            ("VcL\n1e-3\n1\n", "FILE: line 3: VcL = 1 m/s is outside its range"),
             ("VcL,VcL\n1e-3,1e-3\n", "VcL is varied twice"),
             (
                 "# VcL: mm/s\nVcL\n1\n",

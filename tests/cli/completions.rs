@@ -18,7 +18,7 @@ fn offered(words: &str) -> Vec<String> {
     let script = out(&patchcord(&["completions", "bash"]));
     let count = words.split_whitespace().count();
     let asks = format!(
-        "{script}\nCOMP_WORDS=({words}); COMP_CWORD={}\n_patchcord patchcord \"${{COMP_WORDS[-1]}}\"\n\
+        "{script}\nCOMP_WORDS=({words}); COMP_CWORD={}\n_patchcord patchcord \"${{COMP_WORDS[-1]}}\" \"${{COMP_WORDS[-2]}}\"\n\
          printf '%s\\n' \"${{COMPREPLY[@]}}\"\n",
         count - 1
     );
@@ -33,4 +33,5 @@ fn bash_completes() {
     assert_eq!(offered("patchcord che"), ["check"]);
     assert_eq!(offered("patchcord run --hold"), ["--hold-on-overload"]);
     assert_eq!(offered("patchcord completions f"), ["fish"]);
+    assert_eq!(offered("patchcord run a.json --backend n"), ["native"]);
 }

@@ -52,6 +52,7 @@ fn what_has_no_derivative_is_told() {
     let noise = "tests/patches/memory.json";
     for (patch, options, told, wanted) in [
         (FIG_8_16, "--sensitivity m", "there is no parameter m to differentiate by; did you mean \"M\"?", 2),
+        ("patches/problems/bouncing-ball.json", "--sensitivity e", "differentiate by; the patch has none", 2),
         (FIG_8_16, "--sensitivity M,", "a name is missing", 2),
         (noise, "--sensitivity top --every 1e-8 --step 1e-8", "the run would", 2),
     ] {

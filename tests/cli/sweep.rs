@@ -58,6 +58,69 @@ fn a_table_of_another_sweep_is_left_as_it_is() {
     }
 }
 
+/// A patch whose drive stands in a table beside it, in a folder with a file of rows.
+fn driven() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let patch = r#"{"patchcord": 1, "title": "driven", "machine": "unlimited",
+        "parameters": {"k": {"value": 0.5, "unit": "1", "range": [0, 1]}},
+        "scales": {"volt": {"per_volt": 1, "unit": "V"}},
+        "drives": {"u": {"kind": "table", "scale": "volt", "points": {"csv": "u.csv"}}},
+        "elements": {"P": {"kind": "pot", "in": "u", "setting": "k"}, "S": {"kind": "inverter", "in": "P"}},
+        "signals": {"s": {"at": "S", "scale": "volt"}}, "run": {"for": 1, "step": 0.01}}"#;
+    fs::write(folder.path().join("driven.json"), patch).unwrap();
+    fs::write(folder.path().join("u.csv"), "t,u\n0,0\n1,50\n").unwrap();
+    fs::write(folder.path().join("k.csv"), "k\n0.1\n0.2\n").unwrap();
+    folder
+}
+
+/// What is told of the table of the driven patch when words in a file have become others, or options are given.
+fn gone_on(file: &str, from: &str, to: &str, options: &str) -> String {
+    let folder = driven();
+    let [patch, rows, csv] = ["driven.json", "k.csv", "out.csv"].map(|name| path(&folder, name));
+    let command = ["sweep", &patch, "--rows", &rows, "--measure", "voltmeter:s", "--out", &csv];
+    assert_eq!(code(&patchcord(&command)), 0);
+    let before = fs::read(&csv).unwrap();
+    let file = folder.path().join(file);
+    let text = fs::read_to_string(&file).unwrap();
+    assert!(text.contains(from));
+    fs::write(file, text.replace(from, to)).unwrap();
+    let options: Vec<_> = options.split_whitespace().collect();
+    let told = errors(&patchcord(&[&command, &options[..]].concat()));
+    assert!(fs::read(&csv).unwrap() == before);
+    told
+}
+
+#[test]
+fn what_changed_since_a_table_was_begun_is_told() {
+    let cases = [
+        ("driven.json", "inverter", "absolute", "", "left as it is: the patch changed since; line "),
+        ("u.csv", "1,50", "1,60", "", "left as it is: the patch's tables changed since; line "),
+        ("k.csv", "0.2", "0.3", "", "left as it is: the file of rows changed since; line "),
+        ("k.csv", "", "", "--backend reference", "and this sweep has \"# backend: reference\" there"),
+        ("k.csv", "", "", "--backend reference --tol 1e-6", "tolerance 1e-6, recorded every 0.01 s\" there"),
+    ];
+    for (file, from, to, options, wanted) in cases {
+        let told = gone_on(file, from, to, options);
+        assert!(told.contains(wanted), "{told}");
+    }
+    assert_eq!(gone_on("k.csv", "", "", "--backend interpreter"), "");
+}
+
+#[test]
+fn a_table_that_another_sweep_is_writing_is_left_to_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = path(&folder, "sweep.csv");
+    let other = fs::File::create(&csv).unwrap();
+    other.lock().unwrap();
+    let refused = swept(&["--out", &csv]);
+    let told =
+        format!("error: another sweep is writing {csv}: wait until it is done, or give another file\n");
+    assert_eq!((code(&refused), errors(&refused)), (1, told));
+    assert_eq!(fs::read(&csv).unwrap(), b"");
+    drop(other);
+    assert_eq!(code(&swept(&["--out", &csv])), 0);
+}
+
 #[test]
 fn a_wrong_command_line_ends_with_2_before_any_run() {
     let folder = tempfile::tempdir().unwrap();
@@ -72,6 +135,9 @@ fn a_wrong_command_line_ends_with_2_before_any_run() {
         (&["--measure", "peek:v_o"], "did you mean \"peak\"?"),
         (&["--measure", "peak:v_o"], "two columns would be called peak:v_o"),
         (&["--threads", "0"], "--threads"),
+        (&["--threads", "-1"], "-1 is not in 1..=1024"),
+        (&["--tol", "1e-20"], "the rounding of numbers is no smaller"),
+        (&["--tol", "-1e-6"], "a number from 1e-13 to 1 is wanted"),
         (&["--step", "1"], "longer than the run"),
         (&["--json"], "give --out FILE"),
         (&["--rows", &rows, "--out", &rows], "holds the settings to run"),
@@ -83,6 +149,12 @@ fn a_wrong_command_line_ends_with_2_before_any_run() {
         assert_eq!((code(&refused), fs::exists(&csv).unwrap()), (2, false), "{more:?}: {}", errors(&refused));
         assert!(errors(&refused).contains(told), "{more:?}: {}", errors(&refused));
     }
+    let thrown = "patches/lessons/projectile.json";
+    let phases =
+        patchcord(&["sweep", thrown, "--vary", "v0=10,30", "--measure", "amplitude:y", "--out", &csv]);
+    let told = "amplitude:y cannot be read of a run within which a phase waits for a relay or sets a parameter: measure";
+    assert_eq!((code(&phases), fs::exists(&csv).unwrap()), (2, false));
+    assert!(errors(&phases).contains(told), "{}", errors(&phases));
     let nothing = patchcord(&["sweep", FIG_8_16, "--measure", "overload"]);
     assert!(code(&nothing) == 2 && errors(&nothing).contains("nothing is varied"));
     let unmeasured = patchcord(&["sweep", FIG_8_16, "--vary", "VcL=1e-3,2e-3"]);
@@ -90,4 +162,7 @@ fn a_wrong_command_line_ends_with_2_before_any_run() {
     fs::write(&rows, "K\nfast\n").unwrap();
     let unreadable = swept(&["--rows", &rows]);
     assert!(code(&unreadable) == 1 && errors(&unreadable).contains("line 2 has \"fast\""));
+    let missing = swept(&["--rows", "nofile.csv"]);
+    let told = "error: cannot read nofile.csv: No such file or directory\n";
+    assert_eq!((code(&missing), errors(&missing).as_str()), (1, told));
 }

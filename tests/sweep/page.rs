@@ -16,9 +16,9 @@ fn command(page: &str) -> Vec<String> {
 
 /// A fingerprint is of the program's inside, which a page does not tell.
 fn without_fingerprint(table: &str) -> String {
-    let lines = table.lines().map(|line| match line.split_once("fingerprint: ") {
-        Some((before, _)) => format!("{before}fingerprint: ...\n"),
-        None => format!("{line}\n"),
+    let lines = table.lines().map(|line| match line.split_once(": ") {
+        Some((of, _)) if of.starts_with("# fingerprint of ") => format!("{of}: ...\n"),
+        _ => format!("{line}\n"),
     });
     lines.collect()
 }

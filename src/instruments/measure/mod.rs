@@ -66,7 +66,7 @@ pub enum MeasureError {
         hint: String,
     },
     /// It was not told which signals to read, or too many.
-    #[error("{measure} reads {wanted}: write {measure}:{example}")]
+    #[error("{measure} reads {wanted}: write {measure}{example}")]
     Signals {
         /// The measure.
         measure: &'static str,
@@ -189,6 +189,11 @@ impl Measure {
         self.signals.iter().map(|(name, _)| name.as_str())
     }
 
+    /// Whether it reads the samples, of which no two may stand at one instant.
+    pub(crate) fn is_sampled(&self) -> bool {
+        self.entry.is_sampled
+    }
+
     /// What it reads off a run, a cell a column, or why it reads nothing.
     pub fn read(&self, trace: &Trace) -> Vec<Result<Cell, String>> {
         let cells = (self.entry.read)(&read::Run::last(trace, self));
@@ -241,6 +246,7 @@ mod tests {
             ("peek:v_o", "there is no measure \"peek\"; did you mean \"peak\"?"),
             ("", "there is no measure \"\"; known here: voltmeter, "),
             ("peak", "peak reads one signal: write peak:SIGNAL"),
+            ("overload:v_o", "overload reads no signal: write overload"),
             ("peak:v_o,v_i", "peak reads one signal: write peak:SIGNAL"),
             ("peak:v_p", "peak reads the signal \"v_p\", which the patch does not have; did you mean \"v_"),
             ("peak:v_o,last=2", "peak has no option \"last\"; it has none"),
@@ -252,7 +258,7 @@ mod tests {
         ];
         for (text, expected) in cases {
             let error = parse(text).unwrap_err().to_string();
-            assert!(error.starts_with(expected), "{text}: {error}");
+            assert!(error.starts_with(expected) && !error.ends_with(':'), "{text}: {error}");
         }
     }
 }

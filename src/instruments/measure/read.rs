@@ -1,7 +1,7 @@
 //! How every measure reads a run.
 
 use super::super::critical_velocity::{self as profile, Criterion};
-use super::super::oscillation::{Oscillation, oscillation};
+use super::super::oscillation::{Oscillation, oscillation_within};
 use super::super::stick;
 use super::super::voltmeter::{Reading, readings};
 use super::{Cell, Measure};
@@ -37,10 +37,15 @@ impl<'a> Run<'a> {
 
     /// What the voltmeter reads of its signal.
     fn reading(&self, read: impl Fn(&Reading) -> f64) -> Cells {
+        let read = self.course().map(|course| Cell::Number(read(&course)));
+        vec![read.ok_or_else(|| "nothing was recorded".to_owned())]
+    }
+
+    /// What its signal went through.
+    fn course(&self) -> Option<Reading> {
         let last = self.trace.sweeps.len().saturating_sub(1);
         let name = &self.measure.signals[0].0;
-        let found = readings(self.trace).into_iter().find(|found| found.run == last && found.signal == *name);
-        vec![found.map(|found| Cell::Number(read(&found))).ok_or_else(|| "nothing was recorded".to_owned())]
+        readings(self.trace).into_iter().find(|found| found.run == last && found.signal == *name)
     }
 
     /// The oscillation at the end of the run.
@@ -49,7 +54,10 @@ impl<'a> Run<'a> {
         let (begin, end) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
         let from = end - self.measure.option(0).unwrap_or((end - begin) / 2.0);
         let first = time.partition_point(|instant| *instant < from);
-        one(oscillation(&time[first..], &values[first..]).map(read))
+        let reach = self
+            .course()
+            .map_or([f64::NEG_INFINITY, f64::INFINITY], |course| [course.least.value, course.most.value]);
+        one(oscillation_within(&time[first..], &values[first..], reach).map(read))
     }
 }
 

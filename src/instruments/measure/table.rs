@@ -13,6 +13,8 @@ pub(super) struct Entry {
     pub meaning: &'static str,
     signals: Signals,
     options: &'static [&'static str],
+    /// Whether it reads the samples, of which no two may stand at one instant.
+    pub is_sampled: bool,
     /// What the name of each column has behind that of the measure, and its unit.
     pub columns: &'static [(&'static str, UnitOf)],
     pub read: fn(&Run<'_>) -> Vec<Result<Cell, String>>,
@@ -51,6 +53,7 @@ pub(super) const TABLE: &[Entry] = &[
         meaning: "the value at the end of the run",
         signals: Signals::One,
         options: &[],
+        is_sampled: false,
         columns: SIGNAL,
         read: read::voltmeter,
     },
@@ -59,6 +62,7 @@ pub(super) const TABLE: &[Entry] = &[
         meaning: "the largest value without sign",
         signals: Signals::One,
         options: &[],
+        is_sampled: false,
         columns: SIGNAL,
         read: read::peak,
     },
@@ -67,6 +71,7 @@ pub(super) const TABLE: &[Entry] = &[
         meaning: "the least value",
         signals: Signals::One,
         options: &[],
+        is_sampled: false,
         columns: SIGNAL,
         read: read::least,
     },
@@ -75,6 +80,7 @@ pub(super) const TABLE: &[Entry] = &[
         meaning: "the largest value",
         signals: Signals::One,
         options: &[],
+        is_sampled: false,
         columns: SIGNAL,
         read: read::most,
     },
@@ -83,6 +89,7 @@ pub(super) const TABLE: &[Entry] = &[
         meaning: "half of the swing of an oscillation, over the last half of the run or its last so many seconds",
         signals: Signals::One,
         options: &["last"],
+        is_sampled: true,
         columns: SIGNAL,
         read: read::amplitude,
     },
@@ -91,6 +98,7 @@ pub(super) const TABLE: &[Entry] = &[
         meaning: "whole cycles of an oscillation over their time, read like its amplitude",
         signals: Signals::One,
         options: &["last"],
+        is_sampled: true,
         columns: &[("", UnitOf::Text("Hz"))],
         read: read::frequency,
     },
@@ -100,6 +108,7 @@ pub(super) const TABLE: &[Entry] = &[
                   threshold (0.25 mm/s) within a window (0.04 s)",
         signals: Signals::Usual(&["v_i", "v_o"]),
         options: &["threshold", "window"],
+        is_sampled: true,
         columns: &[("_rising", UnitOf::Signal), ("_falling", UnitOf::Signal)],
         read: read::critical_velocity,
     },
@@ -108,6 +117,7 @@ pub(super) const TABLE: &[Entry] = &[
         meaning: "when a velocity first passes a threshold (a millionth of its largest value): sliding begins",
         signals: Signals::Usual(&["v_o"]),
         options: &["threshold"],
+        is_sampled: true,
         columns: &[("", UnitOf::Text("s"))],
         read: read::stick_end,
     },
@@ -116,6 +126,7 @@ pub(super) const TABLE: &[Entry] = &[
         meaning: "the amplifier whose overload lamp lights first, and when",
         signals: Signals::None,
         options: &[],
+        is_sampled: false,
         columns: &[("", UnitOf::Text("")), ("_time", UnitOf::Text("s"))],
         read: read::overload,
     },
@@ -139,11 +150,11 @@ impl Entry {
     pub fn connected(&self, named: &[&str], known: &[Probe]) -> Result<Vec<(String, String)>, MeasureError> {
         let (names, wanted, example) = match (&self.signals, named) {
             (Signals::Usual(usual), []) => (*usual, "", ""),
-            (Signals::Usual([_]), _) => (named, "one signal", "SIGNAL"),
+            (Signals::Usual([_]), _) => (named, "one signal", ":SIGNAL"),
             (Signals::Usual(_), _) => {
-                (named, "two signals, the commanded and the actual velocity", "v_i,v_o")
+                (named, "two signals, the commanded and the actual velocity", ":v_i,v_o")
             }
-            (Signals::One, _) => (named, "one signal", "SIGNAL"),
+            (Signals::One, _) => (named, "one signal", ":SIGNAL"),
             (Signals::None, _) => (named, "no signal", ""),
         };
         let count = match self.signals {
