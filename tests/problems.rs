@@ -5,10 +5,11 @@ mod common;
 mod library;
 
 use std::fs;
+use std::process::Command;
 
 use common::order;
-use library::PROBLEMS;
-use patchcord::solve::RunSettings;
+use library::{PROBLEMS, Problem};
+use patchcord::solve::{self, RunSettings};
 
 const TOLERANCES: [f64; 4] = [1e-5, 1e-6, 1e-7, 1e-8];
 
@@ -53,6 +54,40 @@ fn the_page_tells_every_problem() {
         let named = [format!("`{}`", problem.patch), format!("signal `{}`", problem.signal)];
         for words in named {
             assert!(section.contains(&words), "{} does not say {words}", problem.name);
+        }
+    }
+}
+
+/// The largest error of the samples that a command of the page writes, in machine units.
+fn error_of(problem: &Problem, command: &str) -> f64 {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("samples.csv");
+    let mut patchcord = Command::new(env!("CARGO_BIN_EXE_patchcord"));
+    let ran = patchcord.args(command.split_whitespace()).arg("--csv").arg(&csv).output().unwrap();
+    assert!(ran.status.success(), "{command}: {}", String::from_utf8_lossy(&ran.stderr));
+    let (program, settings) = problem.program();
+    let per_volt = solve::run(&program, &settings).unwrap().tracks[0].per_volt;
+    let text = fs::read_to_string(csv).unwrap();
+    let mut lines = text.lines().skip_while(|line| line.starts_with('#'));
+    let column = lines.next().unwrap().split(',').position(|name| name == problem.signal).unwrap();
+    let off = |line: &str| {
+        let sample: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+        (sample[column] / per_volt - (problem.exact)(sample[0])).abs() / 100.0
+    };
+    lines.map(off).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_commands_of_the_page_are_as_right_as_it_says() {
+    let page = fs::read_to_string("docs/problems.md").unwrap();
+    for (problem, section) in PROBLEMS.iter().zip(page.split("\n## ").skip(1)) {
+        let commands = section.lines().filter_map(|line| line.strip_prefix("    patchcord "));
+        let told = section.split("\nLess than ").nth(1).unwrap().split(" off.").next().unwrap();
+        let bounds: Vec<f64> = told.split(" and ").map(|bound| bound.parse().unwrap()).collect();
+        assert_eq!((commands.clone().count(), bounds.len()), (2, 2), "{}", problem.name);
+        for (command, bound) in commands.zip(bounds) {
+            let error = error_of(problem, command);
+            assert!(error < bound, "{command}: {error:e}");
         }
     }
 }

@@ -32,7 +32,7 @@ pub(super) fn told(analysis: &Analysis<'_>) -> String {
     text += &caveats(model);
     text += &format!("\n{}", matrix_told(model));
     text += &roots_told(&analysis.roots);
-    text += &analysis.response.as_ref().map(response_told).unwrap_or_default();
+    text += &analysis.response.as_ref().map(|response| response_told(response, analysis)).unwrap_or_default();
     text
 }
 
@@ -162,18 +162,24 @@ fn verdict(roots: &[Root]) -> String {
     if growing.is_empty() { String::new() } else { format!("unstable: {}\n", growing.join("; ")) }
 }
 
-fn response_told(response: &Response) -> String {
+/// A few frequencies a decade, both ends of the band, and the natural frequencies within it.
+fn response_told(response: &Response, analysis: &Analysis<'_>) -> String {
     let unit = if response.unit.is_empty() { "ratio".to_owned() } else { response.unit.clone() };
     let mut table = Table::with(["Hz", &unit, "dB", "degrees"].map(str::to_owned));
+    let natural: Vec<f64> = analysis.roots.iter().flatten().map(Root::hertz).collect();
+    let last = response.points.last().map(|point| point.frequency);
     let mut next = 0.0;
     for point in &response.points {
-        if point.frequency >= next {
+        let is_next = point.frequency >= next;
+        if is_next || Some(point.frequency) == last || natural.contains(&point.frequency) {
             table.row([
                 number(point.frequency),
                 number(point.ratio),
                 format!("{:.2}", point.decibels()),
                 format!("{:.2}", point.phase.to_degrees() + 0.0),
             ]);
+        }
+        if is_next {
             next = point.frequency * 10f64.powf(1.0 / PER_DECADE) * (1.0 - 1e-9);
         }
     }

@@ -34,7 +34,7 @@ fn picture(
     let (low, high) = ends(response.points.iter().map(|point| point.frequency));
     Picture {
         title,
-        horizontal: Axis::decades("frequency", "Hz", low, high),
+        horizontal: Axis::ratios("frequency", "Hz", low, high),
         vertical,
         vertical_right: None,
         channels: vec![Channel {

@@ -6,7 +6,7 @@ use std::io::Write;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::LinearError;
-use super::roots::{Root, check};
+use super::roots::{Root, Stability, check, roots};
 use crate::patch::suggestion;
 use crate::program::{Port, StateSpace};
 
@@ -133,7 +133,7 @@ impl<'m> Transfer<'m> {
         }
     }
 
-    /// The response over a band: 60 points a decade, and more where it turns quickly.
+    /// The response over a band: both ends, 60 points a decade, natural frequencies, and more where it turns quickly.
     ///
     /// # Errors
     /// When the band is none, delays turn the phase too often within it, or the signal does not follow the drive.
@@ -143,10 +143,9 @@ impl<'m> Transfer<'m> {
         let factor = to.per_volt / from.per_volt;
         let mut points = Vec::new();
         let mut phase = Unwrapped::default();
-        for (omega, ratio) in self.sampled(band)? {
+        for (frequency, ratio) in self.sampled(band)? {
             let ratio = ratio * factor;
-            let (frequency, phase) = (omega / TAU, phase.next(ratio));
-            points.push(ResponsePoint { frequency, ratio: ratio.norm(), phase });
+            points.push(ResponsePoint { frequency, ratio: ratio.norm(), phase: phase.next(ratio) });
         }
         if points.iter().all(|point| point.ratio == 0.0) {
             return Err(LinearError::NotMoved { input: from.name.clone(), output: to.name.clone() });
@@ -156,33 +155,46 @@ impl<'m> Transfer<'m> {
         Ok(Response { input: from.name.clone(), output: to.name.clone(), unit, points })
     }
 
-    /// The ratios at frequencies, in rad/s, so near to each other that a curve can be drawn through them.
+    /// The ratios at frequencies, in Hz, so near to each other that a curve can be drawn through them.
     fn sampled(&self, band: Band) -> Result<Vec<(f64, Complex<f64>)>, LinearError> {
         let grid = self.grid(band)?;
-        let mut all = vec![(grid[0], self.volts_per_volt(grid[0]))];
-        for omega in &grid[1..] {
+        let at = |frequency: f64| (frequency, self.volts_per_volt(TAU * frequency));
+        let mut all = vec![at(grid[0])];
+        for frequency in &grid[1..] {
             let begin = all[all.len() - 1];
-            self.refine(begin, (*omega, self.volts_per_volt(*omega)), MOST_HALVINGS, &mut all);
+            self.refine(begin, at(*frequency), MOST_HALVINGS, &mut all);
         }
         Ok(all)
     }
 
-    /// Frequencies by equal ratios, but with no more than an eighth of a turn of the delays between two.
-    fn grid(&self, Band { low, high }: Band) -> Result<Vec<f64>, LinearError> {
+    /// Frequencies by equal ratios and those at which it rings, but with no more than an eighth of a turn of the delays
+    /// between two.
+    fn grid(&self, band: Band) -> Result<Vec<f64>, LinearError> {
+        let Band { low, high } = band;
         let seconds: f64 = self.model.delays.iter().map(|delay| delay.seconds).sum();
         let turns = high * seconds;
         if turns > MOST_TURNS {
             return Err(LinearError::TooManyTurns { high, turns, most: MOST_TURNS });
         }
         let count = (PER_DECADE * (high / low).log10()).ceil().max(1.0);
-        let even = (0..=count as usize).map(|index| TAU * low * (high / low).powf(index as f64 / count));
+        let even = (0..count as usize).map(|index| low * (high / low).powf(index as f64 / count));
+        let mut wanted: Vec<f64> = even.chain([high]).chain(self.ringing(band)).collect();
+        wanted.sort_by(f64::total_cmp);
         let mut grid: Vec<f64> = Vec::new();
-        for omega in even {
-            let begin = grid.last().copied().unwrap_or(omega);
-            let parts = ((omega - begin) * seconds / (PI / 4.0)).ceil().max(1.0);
-            grid.extend((1..=parts as usize).map(|part| begin + (omega - begin) * part as f64 / parts));
+        for frequency in wanted {
+            let begin = grid.last().copied().unwrap_or(frequency);
+            let parts = ((frequency - begin) * seconds * 8.0).ceil().max(1.0);
+            grid.extend((1..parts as usize).map(|part| begin + (frequency - begin) * part as f64 / parts));
+            grid.push(frequency);
         }
         Ok(grid)
+    }
+
+    /// The natural frequencies within a band at which it rings; of what is not damped there is no response there.
+    fn ringing(&self, Band { low, high }: Band) -> impl Iterator<Item = f64> {
+        let damped = |root: &Root| root.imaginary > 0.0 && root.stability() != Stability::Neutral;
+        let natural = roots(self.model).unwrap_or_default().into_iter().filter(damped);
+        natural.map(|root| root.hertz()).filter(move |frequency| low < *frequency && *frequency < high)
     }
 
     /// Adds the point at the end of a stretch, and before it those in between as long as the curve bends within it.
@@ -194,8 +206,8 @@ impl<'m> Transfer<'m> {
         all: &mut Vec<(f64, Complex<f64>)>,
     ) {
         if halvings > 0 && is_far(begin.1, end.1) {
-            let omega = (begin.0 * end.0).sqrt();
-            let middle = (omega, self.volts_per_volt(omega));
+            let frequency = (begin.0 * end.0).sqrt();
+            let middle = (frequency, self.volts_per_volt(TAU * frequency));
             self.refine(begin, middle, halvings - 1, all);
             self.refine(middle, end, halvings - 1, all);
         } else {

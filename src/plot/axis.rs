@@ -11,7 +11,7 @@ pub struct Axis {
     pub high: f64,
     /// How many equal divisions the graticule has along this axis, 1 to 100.
     pub divisions: usize,
-    /// Whether equal lengths are equal ratios; the ends then lie above 0, and divisions are decades.
+    /// Whether equal lengths are equal ratios; the ends then lie above 0.
     pub logarithmic: bool,
 }
 
@@ -84,22 +84,38 @@ impl Axis {
         }
     }
 
-    /// A logarithmic axis of whole decades around two values above 0, at most
-    /// [`Axis::MOST_DIVISIONS`] of them.
-    pub fn decades(label: impl Into<String>, unit: impl Into<String>, low: f64, high: f64) -> Axis {
-        let exponent =
-            |value: f64| if value.is_nan() { 0.0 } else { value.clamp(1.0 / LARGEST, LARGEST).log10() };
-        let first = (exponent(low) + SLACK).floor();
-        let last = (exponent(high) - SLACK).ceil().clamp(first + 1.0, first + Axis::MOST_DIVISIONS as f64);
-        let power = |exponent: f64| Step { mantissa: 1.0, exponent: exponent as i32 }.times(1.0);
+    /// A logarithmic axis from one value above 0 to a larger one, with as many divisions as there are decades, at most
+    /// [`Axis::MOST_DIVISIONS`].
+    pub fn ratios(label: impl Into<String>, unit: impl Into<String>, low: f64, high: f64) -> Axis {
+        let above_zero = |value: f64| if value.is_nan() { 1.0 } else { value.clamp(1.0 / LARGEST, LARGEST) };
+        let low = above_zero(low);
+        let high = Some(above_zero(high)).filter(|high| *high > low).unwrap_or(10.0 * low);
+        let decades = (high.log10() - low.log10()).round();
         Axis {
             label: label.into(),
             unit: unit.into(),
-            low: power(first),
-            high: power(last),
-            divisions: (last - first) as usize,
+            low,
+            high,
+            divisions: decades.clamp(1.0, Axis::MOST_DIVISIONS as f64) as usize,
             logarithmic: true,
         }
+    }
+
+    /// Whether every division of a logarithmic axis is a decade, from one power of ten to the next.
+    pub(super) fn is_of_decades(&self) -> bool {
+        let ends = [self.low.log10(), self.high.log10()];
+        let is_whole = |number: f64| (number - number.round()).abs() < SLACK;
+        ends.iter().all(|end| is_whole(*end)) && (ends[1] - ends[0]).round() == self.divisions as f64
+    }
+
+    /// So many times the powers of ten, as far as they lie between the ends of a logarithmic axis.
+    pub(super) fn multiples(&self, times: std::ops::Range<u32>) -> impl Iterator<Item = f64> {
+        let exponents = self.low.log10().floor() as i32..=self.high.log10().floor() as i32;
+        let all = exponents.flat_map(move |exponent| {
+            // Read as decimals, they are rounded once.
+            times.clone().filter_map(move |times| format!("{times}e{exponent}").parse::<f64>().ok())
+        });
+        all.filter(|value| (SLACK..1.0 - SLACK).contains(&self.fraction(*value)))
     }
 
     /// Where a finite value lies: 0 at the low end, 1 at the high end.
@@ -323,15 +339,20 @@ mod tests {
     }
 
     #[test]
-    fn decades_are_whole_and_as_long_as_each_other() {
-        let axis = |low, high| Axis::decades("f", "Hz", low, high);
+    fn ratios_have_the_ends_asked_for() {
+        let axis = |low, high| Axis::ratios("f", "Hz", low, high);
         let ends = |axis: Axis| (axis.low, axis.high, axis.divisions);
         assert_eq!(ends(axis(0.1, 1000.0)), (0.1, 1000.0, 4));
-        assert_eq!(ends(axis(3.0, 20.0)), (1.0, 100.0, 2));
-        assert_eq!(ends(axis(5.0, 5.0)), (1.0, 10.0, 1));
+        assert_eq!(ends(axis(25.0, 40.0)), (25.0, 40.0, 1));
+        assert_eq!(ends(axis(5.0, 5.0)), (5.0, 50.0, 1));
         let four = axis(0.1, 1000.0);
         assert_eq!([0.1, 1.0, 10.0, 1000.0].map(|value| four.fraction(value)), [0.0, 0.25, 0.5, 1.0]);
         assert!(four.is_drawable() && four.fraction(-1.0) < -10.0 && four.zero_line().is_none());
+        assert!(
+            four.is_of_decades() && !axis(25.0, 40.0).is_of_decades() && !axis(1e-99, 1e99).is_of_decades()
+        );
+        assert_eq!(four.multiples(1..2).collect::<Vec<_>>(), [1.0, 10.0, 100.0]);
+        assert_eq!(axis(0.25, 4.0).multiples(2..4).collect::<Vec<_>>(), [0.3, 2.0, 3.0]);
         for (low, high) in [(0.0, 1.0), (f64::NAN, 1.0), (1.0, f64::INFINITY), (-1.0, -2.0)] {
             assert!(axis(low, high).is_drawable(), "{low} {high}");
         }

@@ -47,7 +47,7 @@ pub(super) fn border(screen: Area, surface: &mut dyn Surface) -> Result<(), Plot
 /// strong ones, in the centre, at zero and at decades, or the others.
 fn inner_lines(axis: &Axis, strong: bool) -> Vec<f64> {
     if axis.logarithmic {
-        return decade_lines(axis.divisions, strong);
+        return decade_lines(axis, strong);
     }
     let zero = axis.zero_line();
     let centre = centre_line(axis);
@@ -62,14 +62,13 @@ fn inner_lines(axis: &Axis, strong: bool) -> Vec<f64> {
 const MOST_DIVIDED: usize = 12;
 
 /// The strong lines at the decades, or the others at 2 to 9 times them.
-fn decade_lines(decades: usize, strong: bool) -> Vec<f64> {
-    let part = |decade: usize, times: usize| (decade as f64 + (times as f64).log10()) / decades as f64;
-    if strong {
-        (1..decades).map(|decade| part(decade, 1)).collect()
-    } else {
-        let divided = if decades <= MOST_DIVIDED { decades } else { 0 };
-        (0..divided).flat_map(|decade| (2..10).map(move |times| part(decade, times))).collect()
-    }
+fn decade_lines(axis: &Axis, strong: bool) -> Vec<f64> {
+    let times = match strong {
+        true => 1..2,
+        false if axis.divisions <= MOST_DIVIDED => 2..10,
+        false => 0..0,
+    };
+    axis.multiples(times).map(|value| axis.fraction(value)).collect()
 }
 
 /// The division line in the centre, or next to it.

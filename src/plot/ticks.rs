@@ -25,6 +25,9 @@ const EXTRA_DECIMALS: i32 = 2;
 /// As many numbers as fit beside an axis `length` long, each taking `room_for`
 /// its text: at every division line, or every second, fifth or tenth.
 pub(super) fn fitting(axis: &Axis, length: f64, room_for: impl Fn(&str) -> f64) -> Vec<Tick> {
+    if axis.logarithmic && !axis.is_of_decades() {
+        return between(axis, length, room_for);
+    }
     let division = length / axis.divisions as f64;
     let fits = |ticks: &[Tick], stride: usize| {
         let widest = ticks.iter().map(|tick| room_for(&tick.text));
@@ -59,24 +62,42 @@ pub(super) fn every(axis: &Axis, stride: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// Decades from the first to below the second are written out.
-const DECADES_WRITTEN_OUT: std::ops::Range<i32> = -3..5;
-
 fn decades(axis: &Axis, stride: usize) -> Vec<Tick> {
-    let lines = (0..=axis.divisions).step_by(stride);
-    let tick = |line: usize| {
-        let exponent = axis.line(line).log10().round() as i32;
-        let text = match exponent {
-            0.. if DECADES_WRITTEN_OUT.contains(&exponent) => format!("{:.0}", 10f64.powi(exponent)),
-            _ if DECADES_WRITTEN_OUT.contains(&exponent) => {
-                format!("{:.1$}", 10f64.powi(exponent), exponent.unsigned_abs() as usize)
-            }
-            _ => format!("10{}", raised(exponent)),
-        };
-        Tick { fraction: line as f64 / axis.divisions as f64, text }
-    };
-    lines.map(tick).collect()
+    (0..=axis.divisions).step_by(stride).map(|line| tick(axis, axis.line(line))).collect()
 }
+
+/// The numbers of a logarithmic axis whose ends are no decades: both ends, and between them at 1 to 9 times the
+/// decades, or at the decades, or none.
+fn between(axis: &Axis, length: f64, room_for: impl Fn(&str) -> f64) -> Vec<Tick> {
+    let apart = |one: &Tick, next: &Tick| {
+        (next.fraction - one.fraction) * length >= room_for(&one.text).max(room_for(&next.text))
+    };
+    let ends = [axis.low, axis.high].map(|end| tick(axis, end));
+    let inner = [1..10, 1..2].map(|times| {
+        let all = axis.multiples(times).map(|value| tick(axis, value));
+        all.filter(|tick| apart(&ends[0], tick) && apart(tick, &ends[1])).collect::<Vec<_>>()
+    });
+    let fits = |ticks: &Vec<Tick>| ticks.windows(2).all(|pair| apart(&pair[0], &pair[1]));
+    let [low, high] = ends.clone();
+    [low].into_iter().chain(inner.into_iter().find(fits).into_iter().flatten()).chain([high]).collect()
+}
+
+/// The number of a value on a logarithmic axis, to four digits.
+fn tick(axis: &Axis, value: f64) -> Tick {
+    let (short, power) = (format!("{value:.3e}").parse().unwrap_or(value), format!("{value:.3e}"));
+    let text = match power.split_once('e') {
+        Some((times, exponent)) if !RATIOS_WRITTEN_OUT.contains(&short) => {
+            let times = times.trim_end_matches('0').trim_end_matches('.');
+            let power = format!("10{}", raised(exponent.parse().unwrap_or(0)));
+            if times == "1" { power } else { format!("{times}·{power}") }
+        }
+        _ => short.to_string(),
+    };
+    Tick { fraction: axis.fraction(value), text }
+}
+
+/// Values on a logarithmic axis from the first to below the second are written out.
+const RATIOS_WRITTEN_OUT: std::ops::Range<f64> = 0.001..100_000.0;
 
 /// What stands after the label of an axis in its title: the unit, with the power
 /// of ten by which the numbers are to be taken.
@@ -179,10 +200,27 @@ mod tests {
 
     #[test]
     fn decades_are_numbers_as_long_as_they_are_short() {
-        let axis = Axis::decades("f", "Hz", 1e-5, 1e6);
+        let axis = Axis::ratios("f", "Hz", 1e-5, 1e6);
         let texts: Vec<String> = every(&axis, 1).into_iter().map(|tick| tick.text).collect();
         assert_eq!(texts.join(" "), "10⁻⁵ 10⁻⁴ 0.001 0.01 0.1 1 10 100 1000 10000 10⁵ 10⁶");
         assert_eq!((every(&axis, 5).len(), unit(&axis).as_str()), (3, ", Hz"));
+    }
+
+    #[test]
+    fn ends_that_are_no_decades_have_their_numbers() {
+        let texts = |low, high, length| {
+            let ticks = fitting(&Axis::ratios("f", "Hz", low, high), length, |text| 10.0 * text.len() as f64);
+            ticks.into_iter().map(|tick| tick.text).collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(texts(25.0, 40.0, 500.0), "25 30 40");
+        assert_eq!(texts(31.4, 31.6, 500.0), "31.4 31.6");
+        assert_eq!(
+            texts(0.3, 33.333333, 2000.0),
+            "0.3 0.4 0.5 0.6 0.7 0.8 0.9 1 2 3 4 5 6 7 8 9 10 20 33.33"
+        );
+        assert_eq!(texts(0.3, 33.333333, 300.0), "0.3 1 10 33.33");
+        assert_eq!(texts(2e5, 3e7, 400.0), "2·10⁵ 10⁶ 10⁷ 3·10⁷");
+        assert_eq!(texts(1e-99, 1e99, 300.0), "10⁻⁹⁹ 10⁹⁹");
     }
 
     #[test]

@@ -3,7 +3,6 @@
 //! A *prologue*, run once a run, turns parameters into coefficients; the *body* turns coefficients,
 //! states, modes and time into every voltage and every rate. Every backend reads nothing else.
 
-mod angles;
 mod arrange;
 mod check;
 mod coefficient;
@@ -25,7 +24,6 @@ mod state_space;
 mod tangent;
 mod vocabulary;
 
-pub(crate) use angles::Angle;
 use arrange::Parts;
 pub use coefficient::Coefficient;
 
@@ -77,8 +75,6 @@ pub struct Program {
     pub(crate) loops: Vec<Loop>,
     /// Where rates turn corners.
     pub(crate) kinks: Vec<Kink>,
-    /// What periodic functions are taken of.
-    pub(crate) angles: Vec<Angle>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) signals: Vec<Probe>,
     pub(crate) scales: Vec<ScaleSlot>,

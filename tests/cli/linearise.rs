@@ -14,8 +14,11 @@ fn the_page_shows_what_the_command_prints() {
     let page = fs::read_to_string("docs/linearise.md").unwrap();
     let shown: Vec<&str> =
         page.split("```text\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
-    let commands =
-        ["linearise patches/thesis/fig-8-04.json", "linearise patches/lessons/van-der-pol.json --set x0=0"];
+    let commands = [
+        "linearise patches/thesis/fig-8-04.json",
+        "linearise patches/lessons/van-der-pol.json --set x0=0",
+        "linearise patches/thesis/fig-8-04.json --from v_i --to v_o --hz 25:40",
+    ];
     for command in commands {
         assert!(page.contains(&format!("    patchcord {command}\n")), "{command}");
         let printed = out(&patchcord(&command.split(' ').collect::<Vec<_>>()));
