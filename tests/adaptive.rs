@@ -5,6 +5,7 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::{built, element, order, patch, play, program, slideway, voltage, volts};
+use patchcord::patch::PatchBuilder;
 use patchcord::program::Program;
 use patchcord::solve::{Machine, RunError, RunSettings, run};
 
@@ -58,6 +59,19 @@ fn fewer_steps_do_where_less_is_asked() {
     // The error for each second goes with the fourth power of the step.
     let reached = order(&steps.map(|steps| LENGTH / steps), &TOLERANCES);
     assert!((3.7..=4.3).contains(&reached), "order {reached} from {steps:?}");
+}
+
+#[test]
+fn steps_that_were_tried_too_long_are_told() {
+    let program = oscillator();
+    let mut machine = Machine::adaptive(&program, 1e-7, 0.2).unwrap();
+    // At 50 V the swings of A1 would touch its limit, and be looked at.
+    machine.set_state("A2", 30.0).unwrap();
+    let before = machine.work().evaluations;
+    machine.operate(LENGTH).unwrap();
+    let work = machine.work();
+    assert!(work.rejections > 0, "{work:?}");
+    assert_eq!(work.evaluations, before + 6 * (work.steps + work.rejections));
 }
 
 #[test]
@@ -117,33 +131,189 @@ fn samples_within_steps_are_right() {
 }
 
 #[test]
-fn a_delay_is_followed_however_long_steps_could_be() {
+fn what_comes_out_of_delay_lines_is_right_to_the_tolerance() {
     let program = program(&patch("delay-line"), &[]);
-    let name = program.outlets().iter().find(|outlet| outlet.name.starts_with('A')).unwrap().name.clone();
-    let fine = common::ran(&program, 1e-4, 1.0);
-    let mut machine = Machine::adaptive(&program, 1e-6, 1e-3).unwrap();
-    machine.operate(1.0).unwrap();
-    assert!((voltage(&machine, &name) - voltage(&fine, &name)).abs() < 1e-4);
+    let (end, late) = (5.37, 4.37);
+    // x' = -x(t - 1), by the method of steps: the sum of (1 - t + k)^k / k! up to t; 50 V before.
+    let term = |k: i32| (f64::from(k) - 1.0 - end).powi(k) / (1..=k).map(f64::from).product::<f64>();
+    let expected = [("D1", 80.0 * (0.4 * TAU * late).sin()), ("A1", 50.0 * (0..=6).map(term).sum::<f64>())];
+    for tolerance in WIDE {
+        let mut machine = Machine::adaptive(&program, tolerance / end, 6e-3).unwrap();
+        machine.operate(end).unwrap();
+        for (name, expected) in expected {
+            let error = (voltage(&machine, name) - expected).abs() / 100.0;
+            assert!(error < tolerance, "{name} is {error:e} machine units off at {tolerance:e}");
+        }
+    }
+}
+
+/// What a signal that swings by 50 V about 0 goes through is told to the tolerance, wherever steps end; so is what a
+/// recorded rectifier makes of it, whose kinks no step looks for.
+#[test]
+fn least_and_most_are_those_of_the_curve() {
+    let patch = volts("oscillator")
+        .element("A1", element("integrator").cords("x4", ["A2"]))
+        .element("S1", element("summer").cords("x1", ["A1"]))
+        .element("A2", element("integrator").cords("x1", ["S1"]).set("initial", 30))
+        .element("AB", element("absolute").cord("in", "A2"))
+        .signal("x", "A2", "volt", 1.0)
+        .signal("size", "AB", "volt", 1.0)
+        .build()
+        .unwrap();
+    let circuit = common::circuit(&patch, &[]);
+    let own = RunSettings { every: 1.0, ..RunSettings::of(&circuit).unwrap().lasting(LENGTH) };
+    let program = Program::new(&circuit).unwrap();
+    for tolerance in WIDE {
+        let trace = run(&program, &RunSettings { tolerance: Some(tolerance), ..own.clone() }).unwrap();
+        let [x, size] = [0, 1].map(|track| trace.tracks[track].courses[0]);
+        let bound = 100.0 * tolerance;
+        assert!(
+            (x.most.volts - 30.0).abs() < bound && (x.least.volts + 30.0).abs() < bound,
+            "{x:?} at {tolerance:e}"
+        );
+        assert!(
+            size.least.volts.abs() < 0.01 + bound && size.most.volts < 30.0 + bound,
+            "{size:?} at {tolerance:e}"
+        );
+    }
+}
+
+#[test]
+fn a_lamp_lights_when_a_sine_that_nothing_reads_passes_the_level() {
+    for amplitude in [120.0, 101.0] {
+        let sine = element("sine").set("amplitude", 0.5 * amplitude).set("frequency", 1);
+        let builder =
+            volts("lamp").drive("u", "volt", sine).element("S", element("summer").cords("x2", ["u"]));
+        let program =
+            built(builder.element("A1", element("integrator").cords("x1", ["S"]).set("initial", 1)));
+        let expected = (100.0001_f64 / amplitude).asin() / TAU;
+        let equal = common::ran(&program, 0.05, 1.0).overloads();
+        assert!((equal[0].time - expected).abs() < 1e-9, "{equal:?}");
+        for tolerance in WIDE {
+            let lamp = &ran(&program, tolerance).overloads()[0];
+            assert!((lamp.time - expected).abs() < 1e-9, "{lamp:?} at {tolerance:e}");
+            assert!((lamp.peak - amplitude).abs() < 1e-6, "{lamp:?} at {tolerance:e}");
+        }
+    }
 }
 
 /// A sine of 30.05 V passes the relay's threshold of 30 V for 0.018 of a period, within one step of either kind.
 #[test]
 fn a_relay_that_is_passed_in_the_middle_of_a_step_switches() {
-    let builder = volts("brief")
-        .drive("u", "volt", element("sine").set("amplitude", 30.05).set("frequency", 0.25))
-        .element(
-            "K1",
-            element("relay")
-                .cord("in", "u")
-                .cord("on", "+100")
-                .cord("off", "-100")
-                .set("pull_in", 30)
-                .set("drop_out", -30),
-        );
+    let sine = element("sine").set("amplitude", 30.05).set("frequency", 0.25);
+    let program = built(relay(volts("brief").drive("u", "volt", sine), "u", 30.0, -30.0));
+    let equal = Machine::new(&program, 0.4).unwrap();
+    let adaptive =
+        [1e-2, 1e-3, 1e-6, 1e-9].map(|tolerance| Machine::adaptive(&program, tolerance, 0.4).unwrap());
+    for mut machine in adaptive.into_iter().chain([equal]) {
+        machine.operate(1.5).unwrap();
+        assert_eq!(voltage(&machine, "K1"), 100.0);
+    }
+}
+
+/// A relay K1 between -100 and 100 V.
+fn relay(builder: PatchBuilder, input: &str, pull_in: f64, drop_out: f64) -> PatchBuilder {
+    let relay = element("relay").cord("in", input).cord("on", "+100").cord("off", "-100");
+    builder.element("K1", relay.set("pull_in", pull_in).set("drop_out", drop_out))
+}
+
+/// Runs to tolerances at which steps could be much longer than what comes and goes.
+const WIDE: [f64; 9] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10];
+
+/// What is above 50 V, slowly integrated by A3: it stands still most of the time.
+fn tips(builder: PatchBuilder, input: &str) -> Program {
+    let zone = element("dead-zone").cord("in", input).set("lower", -70).set("upper", 50);
+    built(builder.element("DZ", zone).element("A3", element("integrator").cords("x1", ["DZ"])))
+}
+
+/// The area above 50 V of a period of c + a sin(angle), the angle in radians.
+fn tip(centre: f64, amplitude: f64) -> f64 {
+    let from = ((50.0 - centre) / amplitude).asin();
+    2.0 * (amplitude * from.cos() - (50.0 - centre) * (TAU / 4.0 - from))
+}
+
+fn assert_tips(program: &Program, expected: f64) {
+    for tolerance in WIDE {
+        let error = (voltage(&ran(program, tolerance), "A3") - expected).abs() / 100.0;
+        assert!(error < tolerance, "{error:e} machine units off at {tolerance:e}");
+    }
+}
+
+#[test]
+fn no_tip_of_a_sine_is_stepped_over() {
+    let sine = element("sine").set("amplitude", 60).set("frequency", 1);
+    assert_tips(&tips(volts("tips").drive("u", "volt", sine), "u"), -LENGTH * tip(0.0, 60.0) / TAU);
+    // The same made by a sine element from a ramp.
+    let ramp = volts("tips of a ramp's sine").drive("u", "volt", element("ramp").set("rate", 5));
+    let sine = element("sin").cord("in", "u").set("amplitude", 60).set("angle_per_volt", TAU / 5.0);
+    assert_tips(&tips(ramp.element("S", sine), "S"), -LENGTH * tip(0.0, 60.0) / TAU);
+}
+
+#[test]
+fn no_tip_of_what_swings_after_a_calm_is_stepped_over() {
+    // After 5 s an oscillator is thrown out of its rest: A2 = 30 V (1 - cos(4 pi (t - 5 s))).
+    let push = element("step").set("height", 30).set("at", 5);
+    let builder = volts("tips after a calm")
+        .drive("u", "volt", push)
+        .element("B1", element("summer").cords("x1", ["u"]))
+        .element("D1", element("summer").cords("x1", ["B1", "A2"]))
+        .element("P1", element("pot").cord("in", "D1").set("setting", 0.02 * TAU))
+        .element("A1", element("integrator").cords("x100", ["P1"]))
+        .element("P2", element("pot").cord("in", "A1").set("setting", 0.02 * TAU))
+        .element("A2", element("integrator").cords("x100", ["P2"]));
+    assert_tips(&tips(builder, "A2"), -10.0 * tip(30.0, 30.0) / (2.0 * TAU));
+}
+
+#[test]
+fn a_relay_in_a_calm_switches_each_time() {
+    let sine = element("sine").set("amplitude", 60).set("frequency", 1);
+    let builder = relay(volts("relay in a calm").drive("u", "volt", sine), "u", 50.0, 40.0)
+        .element("P1", element("pot").cord("in", "K1").set("setting", 0.001))
+        .element("A1", element("integrator").cords("x1", ["P1"]));
     let program = built(builder);
-    let mut machine = Machine::new(&program, 0.4).unwrap();
-    machine.operate(1.5).unwrap();
-    assert_eq!(voltage(&machine, "K1"), 100.0);
+    let on = (TAU / 2.0 - (40.0_f64 / 60.0).asin() - (50.0_f64 / 60.0).asin()) / TAU;
+    for tolerance in WIDE {
+        let machine = ran(&program, tolerance);
+        let error = voltage(&machine, "A1") - LENGTH * 0.1 * (1.0 - 2.0 * on);
+        assert!(error.abs() < 1e-9 && machine.work().changes == 20, "{error:e} V off at {tolerance:e}");
+    }
+}
+
+/// A relay of so much hysteresis that keeps A1, which it drives, about 0, from a voltage on.
+fn kept_by_a_relay(hysteresis: f64, initial: f64) -> Program {
+    let integrator = element("integrator").cords("x1", ["K1"]).set("initial", initial);
+    built(relay(volts("kept by a relay"), "A1", hysteresis, -hysteresis).element("A1", integrator))
+}
+
+#[test]
+fn a_relay_that_switches_often_after_a_calm_does_not_chatter() {
+    // Once in initial condition, after 0.901 s, and then every 2 ms.
+    let program = kept_by_a_relay(0.1, 90.0);
+    for tolerance in [1e-3, 1e-6, 1e-9] {
+        assert_eq!(ran(&program, tolerance).work().changes, 4551, "at {tolerance:e}");
+    }
+}
+
+#[test]
+fn chatter_is_named_in_steps_of_either_kind() {
+    // A comb of 1200 corners, swept in 7 ms.
+    let points: Vec<[f64; 2]> = (0..1200).map(|k| [f64::from(k) / 6.0 - 100.0, f64::from(k % 2)]).collect();
+    let comb = element("function-generator").cord("in", "u").set("points", serde_json::json!(points));
+    let kinks = volts("kinks")
+        .drive("u", "volt", element("ramp").set("start", -100).set("rate", 3e4))
+        .element("F", comb)
+        .element("A1", element("integrator").cords("x1", ["F"]));
+    let ball = program(&patch("bouncing-ball"), &[("v_rest", 0.0), ("e", 0.5)]);
+    let cases = [("K1", kept_by_a_relay(1e-9, 1.0), 1e-3), ("F", built(kinks), 1.0), ("A1", ball, 1e-3)];
+    for (name, program, step) in &cases {
+        let machines = [Machine::new(program, *step), Machine::adaptive(program, 1e-6, *step)];
+        for mut machine in machines.map(Result::unwrap) {
+            match machine.operate(LENGTH) {
+                Err(RunError::Chatter { element, .. }) => assert_eq!(element, *name),
+                outcome => panic!("{name}: {outcome:?}"),
+            }
+        }
+    }
 }
 
 #[test]

@@ -5,10 +5,10 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use common::{built, element, patch, program, ran, slideway, volts};
+use common::{built, element, patch, program, slideway, volts};
 use patchcord::patch::Patch;
 use patchcord::program::Program;
-use patchcord::solve::Backend;
+use patchcord::solve::{Backend, Machine};
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
 
@@ -56,13 +56,16 @@ fn lag_and_generator() -> Program {
 /// Allocations of so many steps of a machine that has gone the same way before, so that what is made once for every set of
 /// modes is there; with derivatives by so many parameters.
 fn allocations(program: &Program, step: f64, steps: usize, parameters: usize, backend: Backend) -> usize {
-    let mut machine = ran(program, step, step).on(backend);
+    allocations_of(Machine::new(program, step).unwrap().on(backend), step * steps as f64, program, parameters)
+}
+
+fn allocations_of(mut machine: Machine<'_>, length: f64, program: &Program, parameters: usize) -> usize {
     let names: Vec<_> = program.parameters().iter().take(parameters).map(|slot| slot.name.as_str()).collect();
     machine.differentiate(&names).unwrap();
-    machine.operate(step * steps as f64).unwrap();
+    machine.operate(length).unwrap();
     machine.initial_condition().unwrap();
     let before = ALLOCATIONS.load(Ordering::Relaxed);
-    machine.operate(step * steps as f64).unwrap();
+    machine.operate(length).unwrap();
     ALLOCATIONS.load(Ordering::Relaxed) - before
 }
 
@@ -87,6 +90,11 @@ fn steps_allocate_nothing() {
             let counts =
                 [1000, 2000, 10_000].map(|steps| allocations(program, *step, steps, parameters, backend));
             assert_eq!(counts, [0, 0, 0], "{name}, {backend}, derivatives by {parameters}");
+        }
+        for parameters in [0, 2] {
+            let machine = Machine::adaptive(program, 1e-6, *step).unwrap();
+            let count = allocations_of(machine, 1000.0 * step, program, parameters);
+            assert_eq!(count, 0, "{name}, with a tolerance, derivatives by {parameters}");
         }
     }
 }

@@ -35,24 +35,31 @@ pub(crate) struct Crossing {
 pub(crate) const ON_THE_KINK: f64 = 1e-9;
 
 impl Kink {
-    /// The corner that is passed on the way from some voltages to others, neither of which stands on it.
-    pub fn crossed(&self, tables: &[Vec<[f64; 2]>], before: &[f64], after: &[f64]) -> Option<Crossing> {
-        let [from, to] = [before, after].map(|registers| self.surface.value(registers));
+    /// What has its corner where it passes 0, or a point of a table.
+    pub fn value(&self, registers: &[f64]) -> f64 {
+        self.surface.value(registers)
+    }
+
+    /// The corner that is passed on the way from one value to another, neither of which stands on it.
+    pub fn crossed(&self, tables: &[Vec<[f64; 2]>], from: f64, to: f64) -> Option<Crossing> {
         let rises = to > from;
         let place = match self.surface {
             Surface::Points { table, .. } => next_corner(&tables[table as usize], from, rises)?,
             _ => 0.0,
         };
         let crossing = Crossing { surface: self.surface, place, rises };
-        (crossing.excess(before) < -ON_THE_KINK && crossing.excess(after) > ON_THE_KINK).then_some(crossing)
+        (crossing.past(from) < -ON_THE_KINK && crossing.past(to) > ON_THE_KINK).then_some(crossing)
     }
 }
 
 impl Crossing {
     /// How far past the corner voltages are; negative before it.
     pub fn excess(&self, registers: &[f64]) -> f64 {
-        let distance = self.surface.value(registers) - self.place;
-        if self.rises { distance } else { -distance }
+        self.past(self.surface.value(registers))
+    }
+
+    fn past(&self, value: f64) -> f64 {
+        if self.rises { value - self.place } else { self.place - value }
     }
 }
 

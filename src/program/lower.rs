@@ -208,6 +208,7 @@ impl<'c> Lowering<'c> {
         let order = self.program.arrange();
         let owners: Vec<usize> = order.into_iter().map(|at| self.owners[at]).collect();
         self.program.kinks = self.program.find_kinks(&owners);
+        self.program.angles = self.program.find_angles(&owners);
         self.program
     }
 

@@ -3,6 +3,7 @@
 //! A *prologue*, run once a run, turns parameters into coefficients; the *body* turns coefficients,
 //! states, modes and time into every voltage and every rate. Every backend reads nothing else.
 
+mod angles;
 mod arrange;
 mod check;
 mod coefficient;
@@ -24,6 +25,7 @@ mod state_space;
 mod tangent;
 mod vocabulary;
 
+pub(crate) use angles::Angle;
 use arrange::Parts;
 pub use coefficient::Coefficient;
 
@@ -75,6 +77,8 @@ pub struct Program {
     pub(crate) loops: Vec<Loop>,
     /// Where rates turn corners.
     pub(crate) kinks: Vec<Kink>,
+    /// What periodic functions are taken of.
+    pub(crate) angles: Vec<Angle>,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) signals: Vec<Probe>,
     pub(crate) scales: Vec<ScaleSlot>,

@@ -3,15 +3,53 @@
 use super::machine::Machine;
 use super::noise_source::NoiseSource;
 
+/// The error of a cubic through four points in a row, as a share of their fourth difference: at most this.
+const CUBIC: f64 = 1.0 / 24.0;
+/// A stretch is cut into so many pieces at most.
+const MOST_PIECES: f64 = 1000.0;
 /// Share of a step within which instants are the same.
 const SAME: f64 = 1e-9;
 
 impl Machine<'_> {
     pub(super) fn remember_delays(&mut self) {
+        self.remember_within();
         for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
             line.put(self.time, self.registers[delay.input.index()]);
         }
         self.beside(|own, machine| own.remember_delays(machine));
+    }
+
+    /// Puts points within the last stretch into the delay lines, where a tolerance is set.
+    fn remember_within(&mut self) {
+        let (begin, length, pieces) = (self.last.time, self.time - self.last.time, self.pieces());
+        for piece in 1..pieces {
+            let time = begin + length * f64::from(piece) / f64::from(pieces);
+            self.look_back(time);
+            for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
+                line.put(time, self.trial_registers[delay.input.index()]);
+            }
+            self.beside(|own, machine| own.remember_within(machine, time));
+        }
+    }
+
+    /// Into how many pieces the last stretch is cut, so that no cubic through their ends errs by more than the tolerance
+    /// allows in a delay: by the fourth difference of its quarters.
+    fn pieces(&mut self) -> u32 {
+        let Some(control) = self.control.filter(|_| !self.lines.is_empty()) else { return 1 };
+        let (begin, length) = (self.last.time, self.time - self.last.time);
+        for (bend, delay) in self.bends.iter_mut().zip(&self.program.delays) {
+            *bend = self.last.registers[delay.input.index()] + self.registers[delay.input.index()];
+        }
+        for (share, weight) in [(0.25, -4.0), (0.5, 6.0), (0.75, -4.0)] {
+            self.look_back(begin + share * length);
+            for (bend, delay) in self.bends.iter_mut().zip(&self.program.delays) {
+                *bend += weight * self.trial_registers[delay.input.index()];
+            }
+        }
+        let errors = self.bends.iter().map(|bend| CUBIC * bend.abs());
+        let excesses = errors.zip(&self.lines).map(|(error, line)| error / control.allowed(line.delay()));
+        let pieces = 4.0 * excesses.fold(0.0, f64::max).powf(0.25);
+        pieces.ceil().clamp(4.0, MOST_PIECES) as u32
     }
 
     /// The same at an instant at which voltages jump or turn a corner: their echo will do so too. `echoes`

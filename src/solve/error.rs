@@ -52,16 +52,20 @@ pub enum RunError {
     },
     /// Changes of mode without end.
     #[error(
-        "{element} switched more than {most} times within one step at t = {time} s: it chatters; give it \
-         hysteresis, or take a shorter step"
+        "{element} switched more than {most} times within {within} s at t = {time} s: it chatters; {advice}",
+        within = told(*within), time = told(*time)
     )]
     Chatter {
         /// The element.
         element: String,
         /// The limit.
         most: usize,
+        /// The span of time, in problem seconds.
+        within: f64,
         /// When, in problem seconds.
         time: f64,
+        /// What to do about it.
+        advice: &'static str,
     },
     /// A voltage that no step is short enough to follow.
     #[error(
@@ -70,7 +74,7 @@ pub enum RunError {
         time = told(*time), step = told(*step)
     )]
     StepTooShort {
-        /// The integrator or lag whose error is largest.
+        /// The integrator or lag whose error is largest, or what takes a periodic function.
         element: String,
         /// When, in problem seconds.
         time: f64,

@@ -1,11 +1,13 @@
 //! Changes of mode and kinks: found within a step, stepped to, carried out.
 
+use super::control::CHATTER;
 use super::error::RunError;
 use super::locate::{self, Ahead};
 use super::machine::{Machine, Witness};
 use crate::program::{Crossing, Guard, Transition};
 
-/// More changes of one mode, or crossings of one kink, than this within one step are chatter.
+/// More changes of one mode, or crossings of one kink, than this within one of equal steps are chatter; with a tolerance,
+/// within a share of the first step tried ([`CHATTER`]).
 const MOST_CHANGES: u32 = 1000;
 
 /// What a step must not reach across.
@@ -36,17 +38,15 @@ impl Ahead for Machine<'_> {
 
     /// Something that happens on the way to what was looked at ahead.
     fn event(&self) -> Option<Event> {
-        let mut guards = self.open_transitions().map(|open| open.guard);
-        let due = guards.find(|guard| guard.holds(&self.trial_registers)).map(Event::Change);
-        due.or_else(|| self.kink_ahead())
+        self.event_at(&self.trial_registers)
     }
 
     fn is_hinted(&self) -> bool {
-        self.hint
+        self.hint.is_some()
     }
 
     fn middle(&self) -> f64 {
-        self.method.middle()
+        self.hint.unwrap_or(1.0)
     }
 
     fn excess_now(&self, event: Event) -> f64 {
@@ -65,12 +65,15 @@ impl Ahead for Machine<'_> {
 impl Machine<'_> {
     /// Goes to a time, stopping for every change of mode and every echo of one on the way.
     pub(super) fn advance(&mut self, mut target: f64, witness: &mut impl Witness) -> Result<(), RunError> {
-        self.changes.fill(0);
-        self.crossings.fill(0);
+        self.count_anew();
         loop {
             let end = self.end_of_stretch(target);
             let length = end - self.time;
             self.step_ahead(length);
+            if let Some(shorter) = self.turned_too_far(length)? {
+                target = self.time + shorter;
+                continue;
+            }
             let (share, met) = locate::first_event(self, length);
             if let Some(shorter) = self.refused(share * length)? {
                 target = self.time + shorter;
@@ -89,9 +92,17 @@ impl Machine<'_> {
             }
             self.leave_event()?;
             witness.arrival(self);
-            if self.time >= target || witness.has_met() {
+            if self.time >= target || self.control.is_some() || witness.has_met() {
                 return Ok(());
             }
+        }
+    }
+
+    /// Begins to count what switches anew: with every one of equal steps, else after a span of time.
+    fn count_anew(&mut self) {
+        if self.control.as_mut().is_none_or(|control| control.counts_anew(self.time, self.step)) {
+            self.changes.fill(0);
+            self.crossings.fill(0);
         }
     }
 
@@ -128,15 +139,24 @@ impl Machine<'_> {
     }
 
     /// Transitions that can be made from the present modes.
-    fn open_transitions(&self) -> impl Iterator<Item = &Transition> {
+    pub(super) fn open_transitions(&self) -> impl Iterator<Item = &Transition> {
         let pairs = self.program.modes.iter().zip(&self.modes);
         pairs.flat_map(|(mode, value)| mode.transitions.iter().filter(move |open| open.from == *value))
     }
 
-    fn kink_ahead(&self) -> Option<Event> {
-        let (tables, before, after) = (&self.program.tables, &self.registers, &self.trial_registers);
+    /// Something that happens on the way from the present to these voltages.
+    pub(super) fn event_at(&self, registers: &[f64]) -> Option<Event> {
+        let mut guards = self.open_transitions().map(|open| open.guard);
+        let due = guards.find(|guard| guard.holds(registers)).map(Event::Change);
+        due.or_else(|| self.kink_on_the_way_to(registers))
+    }
+
+    fn kink_on_the_way_to(&self, registers: &[f64]) -> Option<Event> {
         let mut kinks = self.program.kinks.iter().enumerate();
-        kinks.find_map(|(index, kink)| Some(Event::Kink(index, kink.crossed(tables, before, after)?)))
+        kinks.find_map(|(index, kink)| {
+            let [from, to] = [&self.registers, registers].map(|voltages| kink.value(voltages));
+            Some(Event::Kink(index, kink.crossed(&self.program.tables, from, to)?))
+        })
     }
 
     /// Takes note that the machine stands on a kink: its echo will be one.
@@ -152,6 +172,10 @@ impl Machine<'_> {
 
     fn chatter(&self, element: usize) -> RunError {
         let element = self.program.name(element).to_owned();
-        RunError::Chatter { element, most: MOST_CHANGES as usize, time: self.time }
+        let (within, advice) = match self.control {
+            None => (self.step, "give it hysteresis, or take a shorter step"),
+            Some(_) => (CHATTER * self.step, "give it hysteresis"),
+        };
+        RunError::Chatter { element, most: MOST_CHANGES as usize, within, time: self.time, advice }
     }
 }

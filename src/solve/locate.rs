@@ -14,9 +14,9 @@ pub(super) trait Ahead {
     fn look(&mut self, length: f64);
     /// Something that comes on the way to what was looked at.
     fn event(&self) -> Option<Self::Event>;
-    /// Whether the middle of the step last looked at shows an event.
+    /// Whether the step last looked at hints at an event that its end does not show.
     fn is_hinted(&self) -> bool;
-    /// Where in a step the middle is.
+    /// Where in the step that is.
     fn middle(&self) -> f64;
     /// How far past an event the present is; negative before it.
     fn excess_now(&self, event: Self::Event) -> f64;
@@ -27,23 +27,26 @@ pub(super) trait Ahead {
 }
 
 /// The share of the step looked at after which the first event comes, and which it is. Leaves the look at that
-/// place. What comes and goes within the step is found where the stage in its middle shows it.
+/// place. What comes and goes before it is found where a stage hints at it.
 pub(super) fn first_event<A: Ahead>(ahead: &mut A, length: f64) -> (f64, Option<A::Event>) {
-    if let Some(event) = ahead.event() {
-        let (share, event) = located(ahead, length, event);
-        return (share, Some(event));
+    let (mut share, mut first) = (1.0, ahead.event());
+    if let Some(event) = &mut first {
+        (share, *event) = located(ahead, length, *event);
     }
-    if !ahead.is_hinted() {
-        return (1.0, None);
+    for _ in 0..MOST_LOOKS {
+        if !ahead.is_hinted() {
+            break;
+        }
+        let earlier = share * ahead.middle();
+        ahead.look(earlier * length);
+        let Some(event) = ahead.event() else {
+            ahead.look(share * length);
+            break;
+        };
+        let (place, event) = located(ahead, earlier * length, event);
+        (share, first) = (earlier * place, Some(event));
     }
-    let middle = ahead.middle();
-    ahead.look(middle * length);
-    if let Some(event) = ahead.event() {
-        let (share, event) = located(ahead, middle * length, event);
-        return (middle * share, Some(event));
-    }
-    ahead.look(length);
-    (1.0, None)
+    (share, first)
 }
 
 /// The share of the step looked at after which the first event comes, by false position (Illinois) on its excess,

@@ -44,8 +44,10 @@ pub struct Machine<'p> {
     pub(super) method: &'static Tableau,
     /// The rates of the stages of the step last looked at, and at its end.
     pub(super) rates: Vec<Vec<f64>>,
-    /// Whether the middle of the step last looked at shows an event.
-    pub(super) hint: bool,
+    /// The voltages of the stages of the step last looked at that may show what comes and goes within it.
+    pub(super) glances: Vec<Vec<f64>>,
+    /// Where in the step last looked at an event may come and go.
+    pub(super) hint: Option<f64>,
     pub(super) trial: Vec<f64>,
     pub(super) trial_registers: Vec<f64>,
     /// Where the last stretch began, for what is recorded within it.
@@ -54,6 +56,8 @@ pub struct Machine<'p> {
     pub(super) coefficients: Vec<f64>,
     delayed: Vec<f64>,
     pub(super) lines: Vec<DelayLine>,
+    /// How much the input of each line bends within the last stretch.
+    pub(super) bends: Vec<f64>,
     /// The kept values, which stay the same within a step.
     pub(super) kept: Vec<f64>,
     pub(super) noises: Vec<NoiseSource>,
@@ -94,6 +98,7 @@ pub(super) enum Wanted {
 pub(super) struct Stretch {
     pub time: f64,
     pub states: Vec<f64>,
+    pub registers: Vec<f64>,
 }
 
 /// Somebody who looks on while a machine runs.
@@ -150,6 +155,7 @@ impl<'p> Machine<'p> {
         let mut machine = Machine::bare(program, first)?;
         machine.method = &DORMAND_PRINCE;
         machine.rates = vec![vec![0.0; program.states.len()]; DORMAND_PRINCE.rates()];
+        machine.glances = vec![vec![0.0; program.body.len()]; DORMAND_PRINCE.glances.len()];
         machine.control = Some(Control::new(tolerance, first));
         Machine::begun(machine)
     }
@@ -183,12 +189,14 @@ impl<'p> Machine<'p> {
             slopes: zeros(),
             method: &CLASSICAL,
             rates: vec![zeros(); CLASSICAL.rates()],
-            hint: false,
+            glances: vec![vec![0.0; program.body.len()]; CLASSICAL.glances.len()],
+            hint: None,
             trial: zeros(),
             trial_registers: vec![0.0; program.body.len()],
-            last: Stretch { time: 0.0, states: zeros() },
+            last: Stretch { time: 0.0, states: zeros(), registers: vec![0.0; program.body.len()] },
             delayed: vec![0.0; program.delays.len()],
             lines: delay_lines(program, &coefficients, step),
+            bends: vec![0.0; program.delays.len()],
             kept: vec![0.0; program.kept.len()],
             noises: NoiseSource::all(program, &coefficients),
             drawn: vec![0.0; program.noises.len()],
@@ -216,6 +224,7 @@ impl<'p> Machine<'p> {
     pub fn initial_condition(&mut self) -> Result<(), RunError> {
         self.mode = MachineMode::InitialCondition;
         self.time = 0.0;
+        self.control = self.control.map(|control| control.begun(self.step));
         for (value, state) in self.states.iter_mut().zip(&self.program.states) {
             *value = self.coefficients[state.initial as usize];
         }
@@ -430,6 +439,7 @@ impl<'p> Machine<'p> {
         self.beside(|own, machine| own.walk(machine, time));
         self.last.time = self.time;
         self.last.states.copy_from_slice(&self.states);
+        self.last.registers.copy_from_slice(&self.registers);
         self.time = time;
         self.states.copy_from_slice(&self.trial);
         std::mem::swap(&mut self.registers, &mut self.trial_registers);

@@ -12,12 +12,15 @@ mod locate;
 mod machine;
 mod noise_source;
 mod overload;
+mod peaks;
 mod player;
 mod recorder;
 mod run;
 mod sensitivity;
 mod stride;
+mod suspicion;
 mod tableau;
+mod turn;
 mod watch;
 
 pub use crate::kernel::Backend;

@@ -234,6 +234,16 @@ impl<'a> Recorder<'a> {
         self.next += 1;
     }
 
+    /// Takes note of where signals went further within the last stretch than ever before.
+    fn see_turns(&mut self, machine: &mut Machine<'_>) {
+        let run = self.trace.sweeps.len() - 1;
+        for (track, probe) in self.trace.tracks.iter_mut().zip(&self.probes) {
+            let Some(course) = track.courses.get(run) else { continue };
+            let turns = machine.turns_beyond(probe.register, [course.least.volts, course.most.volts]);
+            turns.into_iter().flatten().for_each(|(time, volts)| track.see(run, time + self.held, volts));
+        }
+    }
+
     /// Takes note of the voltages of now.
     fn see(&mut self, machine: &Machine<'_>) {
         let (run, time) = (self.trace.sweeps.len() - 1, self.clock(machine));
@@ -250,6 +260,7 @@ impl Witness for Recorder<'_> {
             self.write(time, machine, Instant::Then);
             self.next += 1;
         }
+        self.see_turns(machine);
         self.see(machine);
         if self.watch.is_some() {
             self.unswitched.copy_from_slice(&machine.registers);

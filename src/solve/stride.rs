@@ -1,6 +1,5 @@
 //! A step of any Runge-Kutta method, and the curve within it.
 
-use super::locate::Ahead;
 use super::machine::{Machine, Wanted};
 use super::tableau::{Share, Tableau};
 use crate::machines::REFERENCE;
@@ -17,18 +16,19 @@ impl Machine<'_> {
         self.rates[0].copy_from_slice(&self.slopes);
         for (stage, row) in self.method.stages.iter().enumerate() {
             self.trial_from(row.from, length);
-            let is_middle = stage == self.method.middle;
-            let wanted = if is_middle { Wanted::Ahead } else { Wanted::Rates };
+            let glance = self.method.glances.iter().position(|own| *own == stage);
+            let wanted = if glance.is_some() { Wanted::Ahead } else { Wanted::Rates };
             self.evaluate_trial(self.time + row.at * length, wanted);
             self.keep_rates(stage + 1);
-            if is_middle {
-                self.hint = self.event().is_some();
+            if let Some(glance) = glance {
+                self.glances[glance].copy_from_slice(&self.trial_registers);
             }
         }
         self.trial_from(self.method.end, length / self.method.parts);
         without_dust(&mut self.trial);
         self.evaluate_trial(self.time + length, Wanted::Ahead);
         self.keep_rates(self.method.rates() - 1);
+        self.hint = self.suspicion();
     }
 
     pub(super) fn trial_from(&mut self, shares: &[Share], length: f64) {

@@ -7,6 +7,8 @@ pub(super) struct Tableau {
     pub stages: &'static [Stage],
     /// The last of these stages that stands near the middle of a step.
     pub middle: usize,
+    /// The stages that are looked at for what comes and goes within a step.
+    pub glances: &'static [usize],
     /// The rates that lead to the end of a step, each times so many parts of it.
     pub end: &'static [Share],
     /// How many parts there are. Sixths of whole numbers keep straight lines exact.
@@ -39,6 +41,7 @@ pub(super) static CLASSICAL: Tableau = Tableau {
         Stage { at: 1.0, from: &[(2, 1.0)] },
     ],
     middle: 1,
+    glances: &[1],
     end: &[(0, 1.0), (1, 2.0), (2, 2.0), (3, 1.0)],
     parts: 6.0,
     difference: &[],
@@ -73,6 +76,7 @@ pub(super) static DORMAND_PRINCE: Tableau = Tableau {
         },
     ],
     middle: 1,
+    glances: &[1, 2],
     end: &[
         (0, 35.0 / 384.0),
         (2, 500.0 / 1113.0),
@@ -104,11 +108,6 @@ impl Tableau {
     /// Rates that a step keeps: those of its stages, and that at its end.
     pub fn rates(&self) -> usize {
         self.stages.len() + 2
-    }
-
-    /// Where in a step the stage near its middle stands.
-    pub fn middle(&self) -> f64 {
-        self.stages[self.middle].at
     }
 }
 

@@ -4,7 +4,10 @@ use super::error::RunError;
 use super::machine::Machine;
 use super::overload::Lit;
 use crate::machines::REFERENCE;
-use crate::program::{LAMP_LEVEL, LoopFault, remedy, tell};
+use crate::program::{LAMP_LEVEL, LoopFault, Register, remedy, tell};
+
+/// So many leave less of a stretch than a time is rounded to.
+const HALVINGS: usize = 50;
 
 impl Machine<'_> {
     pub(super) fn check_voltages(&self) -> Result<(), RunError> {
@@ -24,16 +27,37 @@ impl Machine<'_> {
         }
     }
 
-    /// Lights the lamps of amplifiers that are asked for more than they can give.
+    /// Lights the lamps of amplifiers that were asked for more than they can give, within the last stretch or now.
     pub(super) fn watch_amplifiers(&mut self) {
-        for lamp in &self.program.lamps {
-            let asked = self.registers[lamp.demand.index()].abs();
-            if asked > LAMP_LEVEL {
-                let before = self.trial_registers[lamp.demand.index()].abs();
-                let time = lit_at(self.last.time, before, self.time, asked);
-                light(&mut self.lamps[lamp.element], lamp.element, time, asked);
+        let program = self.program;
+        for lamp in &program.lamps {
+            let peak = self.lamps[lamp.element].map_or(LAMP_LEVEL, |lit| lit.peak);
+            let now = (self.time, self.registers[lamp.demand.index()]);
+            let turns = self.turns_beyond(lamp.demand, [-peak, peak]).into_iter().flatten();
+            let (time, asked) =
+                turns.fold(now, |most, turn| if turn.1.abs() > most.1.abs() { turn } else { most });
+            if asked.abs() > peak {
+                let time =
+                    self.lamps[lamp.element].map_or_else(|| self.lit_at(lamp.demand, time), |lit| lit.time);
+                light(&mut self.lamps[lamp.element], lamp.element, time, asked.abs());
             }
         }
+    }
+
+    /// When a demand passed the level on the way from the beginning of the last stretch to a time, by the curve of the
+    /// states: at the beginning where it jumped there.
+    fn lit_at(&mut self, demand: Register, time: f64) -> f64 {
+        let (mut before, mut after) = (self.last.time, time);
+        if before >= after || self.last.registers[demand.index()].abs() > LAMP_LEVEL {
+            return before;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (before + after);
+            self.look_back(middle);
+            let is_lit = self.trial_registers[demand.index()].abs() > LAMP_LEVEL;
+            *(if is_lit { &mut after } else { &mut before }) = middle;
+        }
+        after
     }
 
     /// Lights the lamps of integrators that were held at ±100 V over the last stretch and driven on, by the mean of its
@@ -43,7 +67,7 @@ impl Machine<'_> {
         let length = self.time - self.last.time;
         for (index, state) in self.program.states.iter().enumerate() {
             let last = self.last.states[index];
-            let [begin, end] = [&self.trial_registers, &self.registers].map(|at| at[state.demand.index()]);
+            let [begin, end] = [&self.last.registers, &self.registers].map(|at| at[state.demand.index()]);
             let outward = 0.5 * (begin + end) * last.signum();
             let held = last.abs() >= REFERENCE && outward > 0.0;
             let time = state.lag.map_or(f64::INFINITY, |lag| self.time_of(lag));
@@ -61,14 +85,4 @@ impl Machine<'_> {
 fn light(lamp: &mut Option<Lit>, element: usize, time: f64, asked: f64) {
     let lit = lamp.get_or_insert(Lit { element, time, peak: asked });
     lit.peak = lit.peak.max(asked);
-}
-
-/// When a demand passed the level: at the beginning of a stretch where it jumped there, else on the straight
-/// line between its ends.
-fn lit_at(begin: f64, before: f64, end: f64, after: f64) -> f64 {
-    if before > LAMP_LEVEL {
-        return begin;
-    }
-    let share = (LAMP_LEVEL - before) / (after - before);
-    if share < 1.0 { begin + share * (end - begin) } else { end }
 }

@@ -33,9 +33,7 @@ fn random_circuits_with_a_tolerance() {
             let largest = exact.values().fold(1.0f64, |most, slope| most.max(slope.abs()));
             let pairs = found.values().zip(exact.values());
             let worst = pairs.map(|(found, exact)| (found - exact).abs()).fold(0.0, f64::max);
-            // The tolerance does not look at delay lines: a longer delay costs the slope of their cubic.
-            let share = if exact.name.ends_with("late") { 1e-3 } else { 1e-5 };
-            assert!(worst <= share * largest, "circuit {number}, {}: {worst} of {largest}", exact.name);
+            assert!(worst <= 1e-5 * largest, "circuit {number}, {}: {worst} of {largest}", exact.name);
         }
     }
 }

@@ -97,6 +97,15 @@ impl Sensitivities {
         }
     }
 
+    /// The same at the instant looked back at.
+    pub fn remember_within(&mut self, machine: &Machine<'_>, time: f64) {
+        for column in &mut self.columns {
+            for (line, delay) in column.lines.iter_mut().zip(&machine.program.delays) {
+                line.put(time, column.trial_registers[delay.input.index()]);
+            }
+        }
+    }
+
     /// The same at an instant at which voltages jump or turn a corner; at an event that is told at its end.
     pub fn remember_break(&mut self, machine: &Machine<'_>) {
         if !self.is_at_event {
