@@ -47,10 +47,13 @@ fn every_shipped_patch() {
             let patch = Patch::read(&file).unwrap();
             let circuit = circuit(&patch, &[]);
             let settings = RunSettings::of(&circuit).unwrap();
-            // What is chaotic, and what sticks and slips, makes rounding grow: so many seconds of it.
+            // What is chaotic, and what sticks and slips, makes rounding grow: so many seconds of it. Where a step ends on a
+            // corner, the reference's stages may be bent there, the kernel's are not: a shorter step leaves rounding only.
             let settings = match file.file_stem().unwrap().to_str().unwrap() {
                 "lorenz" => settings.lasting(10.0),
-                name if name.starts_with("fig-8-1") => settings.lasting(1.0),
+                name if name.starts_with("fig-8-1") => {
+                    RunSettings { step: 0.25 * settings.step, ..settings.lasting(0.5) }
+                }
                 _ => settings,
             };
             let (folded, reference) = both(&Program::new(&circuit).unwrap(), &settings);

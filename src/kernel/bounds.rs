@@ -1,12 +1,11 @@
 //! What has to be watched so that a kernel tells the same as its program: guards, ranges, corners.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use super::fold::Folder;
 use super::form::{Atom, Factor, Form};
-use super::node::{Node, Operand, needed};
 use crate::machines::REFERENCE;
-use crate::program::{Guard, Op, Register};
+use crate::program::{Guard, ON_THE_KINK, Op, Register};
 
 /// What has to stay between two factors.
 struct Bound {
@@ -56,7 +55,8 @@ impl Folder<'_> {
             let [low, high] = [-limit, limit].map(Factor::Number);
             Bound { of: self.of(register).clone(), low, high }
         };
-        let lamps = self.program.lamps.iter().map(|lamp| range(lamp.demand, REFERENCE));
+        // What stands just at its limit, by a diode, is not beyond it by rounding.
+        let lamps = self.program.lamps.iter().map(|lamp| range(lamp.demand, REFERENCE + ON_THE_KINK));
         let outlets = self.program.elements.iter().map(|outlet| outlet.register);
         let doubtful = outlets.filter(|register| {
             matches!(self.program.body[register.index()], Op::Divide(..) | Op::Call(..) | Op::Table(..))
@@ -83,8 +83,7 @@ impl Folder<'_> {
             (low, high) = if slope > 0.0 { (lower, upper) } else { (upper, lower) };
             of = Form::atom(atom);
         }
-        // What moves is an atom once it is read.
-        let Operand::Atom(atom) = self.operand(&of) else { return };
+        let atom = self.atom(&of);
         let next = bounds.all.len();
         match *bounds.places.entry(atom).or_insert(next) {
             place if place == next => bounds.all.push((atom, low, high)),
@@ -108,43 +107,6 @@ impl Folder<'_> {
                 let way = self.early.add(limit, way);
                 Some(self.early.multiply(way, Factor::Number(1.0 / slope)))
             }
-        }
-    }
-
-    /// Where the rates, and what is kept, turn corners.
-    pub fn corners(&mut self, rates: &[Operand], kept: &[Operand]) -> (Vec<Atom>, Vec<(u32, Operand)>) {
-        let needed = needed(&self.nodes, rates.iter().chain(kept).copied());
-        let (mut corners, mut points, mut seen) = (Vec::new(), Vec::new(), HashSet::new());
-        let moving = needed.into_iter().enumerate().filter_map(|(at, needed)| needed.then_some(at));
-        for at in moving {
-            let (a, b) = match self.nodes[at] {
-                Node::Table(table, place) => {
-                    points.push((table, place));
-                    continue;
-                }
-                Node::Absolute(a) => (a, Operand::Factor(Factor::ZERO)),
-                Node::Minimum(a, b) | Node::Maximum(a, b) | Node::Select { left: a, right: b, .. } => (a, b),
-                _ => continue,
-            };
-            let [a, b] = [a, b].map(|operand| match operand {
-                Operand::Factor(factor) => Form::still(factor),
-                Operand::Atom(atom) => self.expanded(atom),
-            });
-            let difference = self.early.sum(&a, &b, Factor::Number(-1.0));
-            if let Operand::Atom(corner) = self.operand(&difference)
-                && seen.insert(corner)
-            {
-                corners.push(corner);
-            }
-        }
-        (corners, points)
-    }
-
-    /// A sum as its terms.
-    fn expanded(&self, atom: Atom) -> Form {
-        match &self.nodes[atom as usize] {
-            Node::Sum(form) => form.clone(),
-            _ => Form::atom(atom),
         }
     }
 }

@@ -16,10 +16,18 @@ pub(super) struct Terms {
     pub kept: Vec<Operand>,
     pub seen: Vec<Operand>,
     pub bounds: Bounds,
-    /// The corners of the atoms that rates and kept values depend on.
-    pub corners: Vec<Atom>,
-    /// The same of tables, with what they are looked up at.
-    pub points: Vec<(u32, Operand)>,
+    /// What bends the curves of rates and kept values.
+    pub corners: Vec<Corner>,
+}
+
+/// A voltage that changes the kernel where it passes a corner.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Corner {
+    pub of: Atom,
+    /// The table whose points are its corners; without one, its only corner is 0.
+    pub table: Option<u32>,
+    /// Which of the given numbers follow from it: whether it is 0 or above, or slope and constant of the piece.
+    pub given: u32,
 }
 
 /// Sums of more terms than this are worked out once where they are read by more than one.
@@ -29,6 +37,7 @@ const LONGEST: usize = 16;
 
 /// Folds a program in these modes, which also gives the voltages of these registers.
 pub(super) fn folded(program: &Program, modes: &[f64], seen: &[Register]) -> Terms {
+    let outputs = program.lamps.iter().map(|lamp| (lamp.output, lamp.demand)).collect();
     let mut folder = Folder {
         program,
         modes,
@@ -37,7 +46,10 @@ pub(super) fn folded(program: &Program, modes: &[f64], seen: &[Register]) -> Ter
         known: HashMap::new(),
         forms: Vec::with_capacity(program.body.len()),
         uses: uses(program),
-        outputs: program.lamps.iter().map(|lamp| (lamp.output, lamp.demand)).collect(),
+        needed: needed(program, &outputs),
+        corners: Vec::new(),
+        sides: Vec::new(),
+        outputs,
     };
     for at in 0..program.body.len() {
         let form = folder.form(Register(at as u32));
@@ -56,6 +68,25 @@ fn uses(program: &Program) -> Vec<u32> {
     uses
 }
 
+/// Of every register, whether a rate or what is kept depends on it while no amplifier is overloaded.
+fn needed(program: &Program, outputs: &HashMap<Register, Register>) -> Vec<bool> {
+    let mut needed = vec![false; program.body.len()];
+    let rates = program.states.iter().map(|state| state.rate);
+    for register in rates.chain(program.kept.iter().map(|kept| kept.next)) {
+        needed[register.index()] = true;
+    }
+    for at in (0..needed.len()).rev() {
+        if !needed[at] {
+            continue;
+        }
+        match outputs.get(&Register(at as u32)) {
+            Some(demand) => needed[demand.index()] = true,
+            None => program.body[at].operands().for_each(|operand| needed[operand.index()] = true),
+        }
+    }
+    needed
+}
+
 pub(super) struct Folder<'a> {
     pub program: &'a Program,
     pub modes: &'a [f64],
@@ -66,6 +97,11 @@ pub(super) struct Folder<'a> {
     /// What every register of the body is.
     forms: Vec<Form>,
     uses: Vec<u32>,
+    /// Of every register, whether a rate or what is kept depends on it.
+    needed: Vec<bool>,
+    pub corners: Vec<Corner>,
+    /// Of what is compared with 0, its side.
+    sides: Vec<(Atom, Factor)>,
     /// Outputs of amplifiers that may be overloaded, with what they are asked for.
     outputs: HashMap<Register, Register>,
 }
@@ -93,11 +129,69 @@ impl Folder<'_> {
             }
             Op::Multiply(a, b) => self.product(a, b),
             Op::Divide(a, b) => self.quotient(a, b),
+            Op::Minimum(a, b) if self.bends(at, [a, b]) => self.chosen([b, a], [a, b]),
+            Op::Maximum(a, b) if self.bends(at, [a, b]) => self.chosen([a, b], [a, b]),
+            Op::Absolute(a) if self.bends(at, [a, a]) => self.size(a),
+            Op::Table(table, a) if self.bends(at, [a, a]) => self.piece(table, a),
             Op::Minimum(a, b) => self.lower_of(a, b),
             Op::Maximum(a, b) => self.upper_of(a, b),
-            Op::Select { left, right, then, otherwise } => self.select(left, right, then, otherwise),
+            Op::Select { left, right, then, otherwise } => self.select(at, [left, right], [then, otherwise]),
             op => self.other(op),
         }
+    }
+
+    /// Whether an operation bends the curve of a rate where what it compares passes a corner.
+    fn bends(&self, at: Register, compared: [Register; 2]) -> bool {
+        let moves = compared.iter().any(|register| self.of(*register).as_still().is_none());
+        moves && self.needed[at.index()]
+    }
+
+    /// The first of two voltages as long as one that is compared is not below the other, else the second.
+    fn chosen(&mut self, [first, second]: [Register; 2], compared: [Register; 2]) -> Form {
+        let side = self.side(compared);
+        let [first, second] = [first, second].map(|register| self.of(register).clone());
+        let difference = self.early.sum(&first, &second, Factor::Number(-1.0));
+        self.early.sum(&second, &difference, side)
+    }
+
+    /// A voltage without its sign.
+    fn size(&mut self, of: Register) -> Form {
+        let form = self.of(of).clone();
+        let side = self.side_of(form.clone());
+        let twice = self.early.multiply(side, Factor::Number(2.0));
+        let sign = self.early.add(twice, Factor::Number(-1.0));
+        self.early.scaled(&form, sign)
+    }
+
+    /// What a table gives on the piece on which it is looked up.
+    fn piece(&mut self, table: u32, at: Register) -> Form {
+        let form = self.of(at).clone();
+        let of = self.atom(&form);
+        let [slope, constant] = [self.early.given(), self.early.given()];
+        self.corners.push(Corner { of, table: Some(table), given: self.early.given - 2 });
+        let line = self.early.scaled(&form, slope);
+        self.early.sum(&line, &Form::still(constant), Factor::ONE)
+    }
+
+    /// 1 where one voltage is not below another, else 0.
+    fn side(&mut self, [left, right]: [Register; 2]) -> Factor {
+        let difference =
+            self.early.sum(&self.forms[left.index()], &self.forms[right.index()], Factor::Number(-1.0));
+        self.side_of(difference)
+    }
+
+    fn side_of(&mut self, difference: Form) -> Factor {
+        if let Some(still) = difference.as_still() {
+            return self.early.is_reached(still);
+        }
+        let of = self.atom(&difference);
+        if let Some((_, side)) = self.sides.iter().find(|(known, _)| *known == of) {
+            return *side;
+        }
+        let side = self.early.side();
+        self.corners.push(Corner { of, table: None, given: self.early.given - 1 });
+        self.sides.push((of, side));
+        side
     }
 
     /// A coefficient that is written down in the patch is a number.
@@ -199,10 +293,14 @@ impl Folder<'_> {
         })
     }
 
-    fn select(&mut self, left: Register, right: Register, then: Register, otherwise: Register) -> Form {
-        let sides = [left, right].map(|register| self.of(register).as_still());
+    fn select(&mut self, at: Register, compared: [Register; 2], choice: [Register; 2]) -> Form {
+        let ([left, right], [then, otherwise]) = (compared, choice);
+        let sides = compared.map(|register| self.of(register).as_still());
         if let [Some(Factor::Number(left)), Some(Factor::Number(right))] = sides {
             return self.of(if left >= right { then } else { otherwise }).clone();
+        }
+        if self.bends(at, compared) {
+            return self.chosen(choice, compared);
         }
         self.other(Op::Select { left, right, then, otherwise })
     }
@@ -241,10 +339,7 @@ impl Folder<'_> {
     fn cut(&mut self, at: usize, form: Form) -> Form {
         let length = form.terms.len();
         if length > LONGEST || (length > SHARED && self.uses[at] > 1) {
-            return match self.operand(&form) {
-                Operand::Atom(atom) => Form::atom(atom),
-                Operand::Factor(factor) => Form::still(factor),
-            };
+            return Form::atom(self.atom(&form));
         }
         form
     }
@@ -256,15 +351,18 @@ impl Folder<'_> {
 
     /// A form as what an operation reads.
     pub fn operand(&mut self, form: &Form) -> Operand {
-        if let Some(factor) = form.as_still() {
-            return Operand::Factor(factor);
+        match form.as_still() {
+            Some(factor) => Operand::Factor(factor),
+            None => Operand::Atom(self.atom(form)),
         }
-        if let Some((atom, factor)) = form.as_scaled()
-            && factor.is(1.0)
-        {
-            return Operand::Atom(atom);
+    }
+
+    /// A form that moves as an atom.
+    pub fn atom(&mut self, form: &Form) -> Atom {
+        match form.as_scaled() {
+            Some((atom, factor)) if factor.is(1.0) => atom,
+            _ => self.once(Node::Sum(form.clone())),
         }
-        Operand::Atom(self.once(Node::Sum(form.clone())))
     }
 
     fn node(&mut self, node: Node) -> Form {
@@ -285,8 +383,7 @@ impl Folder<'_> {
         let rates: Vec<Operand> = program.states.iter().map(|state| self.read(state.rate)).collect();
         let kept: Vec<Operand> = program.kept.iter().map(|kept| self.read(kept.next)).collect();
         let seen = seen.iter().map(|register| self.read(*register)).collect();
-        let (corners, points) = self.corners(&rates, &kept);
         let bounds = self.bounds();
-        Terms { early: self.early, nodes: self.nodes, rates, kept, seen, bounds, corners, points }
+        Terms { early: self.early, nodes: self.nodes, rates, kept, seen, bounds, corners: self.corners }
     }
 }

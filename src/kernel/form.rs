@@ -81,6 +81,8 @@ pub(super) struct Early {
     negatives: HashMap<(bool, u64), Factor>,
     /// Operations that never give less than 0.
     not_negative: HashSet<Register>,
+    /// How many numbers it is given beside the coefficients.
+    pub given: u32,
 }
 
 impl Early {
@@ -91,6 +93,21 @@ impl Early {
             self.not_negative.insert(register);
         }
         factor
+    }
+
+    /// A number that is given beside the coefficients, as long as the voltages stay on their sides of all corners.
+    pub fn given(&mut self) -> Factor {
+        self.given += 1;
+        self.push(Op::State(self.given - 1))
+    }
+
+    /// The same, 1 on one side of a corner and 0 on the other.
+    pub fn side(&mut self) -> Factor {
+        let side = self.given();
+        if let Factor::Early(register) = side {
+            self.not_negative.insert(register);
+        }
+        side
     }
 
     /// Whether a factor is 0 or more whatever the parameters are.
@@ -158,6 +175,12 @@ impl Early {
             (Factor::Number(a), Factor::Number(b)) => Factor::Number(a.max(b)),
             _ => self.binary(5, a, b, Op::Maximum),
         }
+    }
+
+    /// 1 where a factor is 0 or more, else 0.
+    pub fn is_reached(&mut self, factor: Factor) -> Factor {
+        let [left, right, then] = [factor, Factor::ZERO, Factor::ONE].map(|factor| self.register(factor));
+        self.push(Op::Select { left, right, then, otherwise: right })
     }
 
     /// Any other operation, on factors.

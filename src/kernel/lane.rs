@@ -2,6 +2,8 @@
 
 /// Numbers that operations work on together. Each is rounded as if it stood alone.
 pub(crate) trait Lane: Copy {
+    /// How many there are.
+    const COUNT: usize;
     fn splat(value: f64) -> Self;
     fn get(&self, lane: usize) -> f64;
     fn set(&mut self, lane: usize, value: f64);
@@ -65,6 +67,8 @@ pub(crate) trait Lane: Copy {
 }
 
 impl Lane for f64 {
+    const COUNT: usize = 1;
+
     #[inline(always)]
     fn splat(value: f64) -> Self {
         value
@@ -92,6 +96,8 @@ impl Lane for f64 {
 }
 
 impl<const N: usize> Lane for [f64; N] {
+    const COUNT: usize = N;
+
     #[inline(always)]
     fn splat(value: f64) -> Self {
         [value; N]

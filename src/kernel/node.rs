@@ -51,21 +51,21 @@ impl Node {
     }
 }
 
-/// The atoms that operands depend on.
-pub(super) fn needed(nodes: &[Node], operands: impl Iterator<Item = Operand>) -> Vec<bool> {
+/// Those of some operands that are atoms.
+pub(super) fn atoms(operands: &[Operand]) -> impl Iterator<Item = Atom> + '_ {
+    operands.iter().filter_map(|operand| match operand {
+        Operand::Atom(atom) => Some(*atom),
+        Operand::Factor(_) => None,
+    })
+}
+
+/// Of every atom, whether some depend on it.
+pub(super) fn needed(nodes: &[Node], by: impl Iterator<Item = Atom>) -> Vec<bool> {
     let mut needed = vec![false; nodes.len()];
-    for operand in operands {
-        if let Operand::Atom(atom) = operand {
-            needed[atom as usize] = true;
-        }
-    }
+    by.for_each(|atom| needed[atom as usize] = true);
     for at in (0..nodes.len()).rev() {
         if needed[at] {
-            for operand in nodes[at].operands() {
-                if let Operand::Atom(atom) = operand {
-                    needed[atom as usize] = true;
-                }
-            }
+            atoms(&nodes[at].operands()).for_each(|atom| needed[atom as usize] = true);
         }
     }
     needed

@@ -104,11 +104,10 @@ impl<'p> Points<'p> {
         let folded = program.kernels.of(program, &self.modes, outputs)?;
         let kernel = &folded.kernel;
         let mut frame = kernel.frame::<f64>();
-        frame.put_factors(0, &kernel.factors(program, &self.coefficients)?);
         frame.put_standing(kernel, 0, &self.kept, &self.noise);
         frame.states.copy_from_slice(&self.states);
         frame.time = self.time;
-        kernel.bind(&mut frame, &program.tables, 0)?;
+        kernel.settle(&mut frame, program, &self.coefficients, 0, true).then_some(())?;
         let outputs = outputs.iter().enumerate().map(|(index, register)| {
             (frame.last_seen(kernel, index, 0) - self.registers[register.index()]).abs()
         });
@@ -145,9 +144,8 @@ fn signs_gains_and_potentiometers_leave_sums() {
     let program = program("patches/thesis/fig-8-16.json".as_ref()).unwrap();
     let modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
     let kernel = Kernel::new(&program, &modes, &[]).unwrap();
-    // The friction level: half of a square. The dead zone: two comparisons of two sums. The velocity: a size, a share, a
-    // limit. Three rates.
-    assert!(kernel.moving.instructions.len() <= 12, "{:?}", kernel.moving);
+    // The square of the friction level, and three rates: between its corners everything else is straight.
+    assert!(kernel.moving.instructions.len() <= 4, "{:?}", kernel.moving);
     // Five corners, and no amplifier twice that gives the negative of another.
     assert!(kernel.watches.len() <= 18, "{:?}", kernel.watches);
 }

@@ -32,7 +32,7 @@ pub(crate) struct Crossing {
 }
 
 /// Voltages nearer to a kink than this, in volts, stand on it.
-pub(crate) const ON_THE_KINK: f64 = 1e-9;
+pub(crate) const ON_THE_KINK: f64 = 1e-11;
 
 impl Kink {
     /// What has its corner where it passes 0, or a point of a table.
@@ -90,7 +90,7 @@ impl Surface {
 }
 
 /// The abscissa of the next point above or below a place.
-pub(crate) fn next_corner(points: &[[f64; 2]], from: f64, rises: bool) -> Option<f64> {
+fn next_corner(points: &[[f64; 2]], from: f64, rises: bool) -> Option<f64> {
     let point = if rises {
         points.get(points.partition_point(|point| point[0] <= from + ON_THE_KINK))
     } else {

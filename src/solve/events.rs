@@ -4,7 +4,7 @@ use super::control::CHATTER;
 use super::error::RunError;
 use super::locate::{self, Ahead};
 use super::machine::{Machine, Witness};
-use crate::program::{Crossing, Guard, Transition};
+use crate::program::{Crossing, Guard, ON_THE_KINK, Transition};
 
 /// More changes of one mode, or crossings of one kink, than this within one of equal steps are chatter; with a tolerance,
 /// within a share of the first step tried ([`CHATTER`]).
@@ -57,8 +57,8 @@ impl Ahead for Machine<'_> {
         event.excess(&self.trial_registers)
     }
 
-    fn is_corner(&self, event: Event) -> bool {
-        matches!(event, Event::Kink(..))
+    fn room(&self, event: Event) -> f64 {
+        if matches!(event, Event::Kink(..)) { ON_THE_KINK } else { 0.0 }
     }
 }
 

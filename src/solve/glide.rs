@@ -26,17 +26,8 @@ pub(super) struct Glider {
 pub(super) struct Flight {
     folded: Arc<Folded>,
     frame: Frame<f64>,
-    factors: Factors,
-}
-
-/// Whether a frame holds the factors that follow from the machine's coefficients.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Factors {
-    /// Not yet.
-    Due,
-    There,
-    /// With these coefficients the kernel does not hold.
-    Unfit,
+    /// Whether the factors have to be worked out for the machine's coefficients.
+    is_due: bool,
 }
 
 /// After so many steps states that are too small to matter are set to 0.
@@ -54,7 +45,7 @@ impl Glider {
 
     /// The coefficients are no longer what they were.
     pub fn forget_factors(&mut self) {
-        self.flights.iter_mut().for_each(|flight| flight.factors = Factors::Due);
+        self.flights.iter_mut().for_each(|flight| flight.is_due = true);
     }
 
     /// Index of the flight for the machine's modes.
@@ -69,30 +60,29 @@ impl Glider {
         if self.flights.len() == MOST_FLIGHTS {
             self.flights.remove(0);
         }
-        self.flights.push(Flight { folded, frame, factors: Factors::Due });
+        self.flights.push(Flight { folded, frame, is_due: true });
         Some(self.flights.len() - 1)
     }
 }
 
 impl Flight {
-    /// Begins where the machine is. Tells nothing where the kernel does not hold there, else whether every corner is on
-    /// one side.
-    fn begin(&mut self, machine: &Machine<'_>) -> Option<bool> {
+    /// Begins where the machine is. Tells whether the kernel holds there.
+    fn begin(&mut self, machine: &Machine<'_>) -> bool {
         let (kernel, frame) = (&self.folded.kernel, &mut self.frame);
-        if self.factors == Factors::Due {
-            let factors = kernel.factors(machine.program, &machine.coefficients);
-            self.factors = if factors.is_some() { Factors::There } else { Factors::Unfit };
-            frame.put_factors(0, &factors?);
-        }
-        if self.factors == Factors::Unfit {
-            return None;
-        }
         frame.put_standing(kernel, 0, &machine.kept, &machine.drawn);
         frame.states.copy_from_slice(&machine.states);
         frame.rates.copy_from_slice(&machine.slopes);
         frame.time = machine.time;
         frame.see_anew();
-        kernel.bind(frame, &machine.program.tables, 0)
+        let holds = kernel.settle(frame, machine.program, &machine.coefficients, 0, self.is_due);
+        self.is_due = !holds;
+        holds
+    }
+
+    /// Goes over to the other side of a corner on which it is. Tells whether the kernel holds there.
+    fn cross(&mut self, machine: &Machine<'_>, met: Met) -> bool {
+        let (kernel, frame) = (&self.folded.kernel, &mut self.frame);
+        kernel.cross(frame, machine.program, &machine.coefficients, 0, met)
     }
 
     /// When it is.
@@ -172,13 +162,14 @@ impl Machine<'_> {
         backend: Backend,
         witness: &mut impl Witness,
     ) -> Result<u64, RunError> {
-        let Some(mut is_decided) = flight.begin(self) else { return Ok(0) };
+        if !flight.begin(self) {
+            return Ok(0);
+        }
         let (mut gone, mut is_quiet) = (0, true);
         while is_quiet && gone < steps.count {
             let left = steps.after(gone);
             // Dust is swept on a grid of its own, so that what is recorded changes nothing.
             let count = left.until(witness.next_sample()).min(left.up_to_multiple_of(SWEPT));
-            let count = count.min(if is_decided { u64::MAX } else { 1 });
             let block = Steps { count, ..left };
             let done = flight.folded.steps(&mut flight.frame, &self.program.tables, &block, backend);
             self.work.steps += done;
@@ -192,15 +183,9 @@ impl Machine<'_> {
             if done < count || count == 0 {
                 is_quiet = self.fly_across(flight, left.end_of(done), backend, witness);
                 gone += u64::from(is_quiet);
-                is_decided = flight.frame.is_decided();
             }
             if is_quiet && steps.after(gone).up_to_multiple_of(SWEPT) == SWEPT {
                 without_dust(&mut flight.frame.states);
-            }
-            if !is_decided {
-                let bound = flight.folded.kernel.bind(&mut flight.frame, &self.program.tables, 0);
-                is_quiet &= bound.is_some();
-                is_decided = bound.unwrap_or_default();
             }
         }
         // What was looked at last may lie beyond what stopped it.
@@ -227,7 +212,14 @@ impl Machine<'_> {
             }
             let length = end - sight.frame.time;
             sight.look(length);
-            // What is no corner is left to the machine, and with it the corners before it.
+            // It goes off on the other side from where it is.
+            if let Some(met) = folded.kernel.left_behind(sight.frame, 0) {
+                if !flight.cross(self, met) {
+                    return false;
+                }
+                continue;
+            }
+            // What is no corner is left to the machine.
             if sight.event().is_some_and(|met| !met.is_corner) {
                 return false;
             }
@@ -237,12 +229,14 @@ impl Machine<'_> {
             }
             let time = if share >= 1.0 { end } else { sight.frame.time + share * length };
             sight.accept(time);
-            if let Some(met) = met {
-                self.work.crossings += 1;
-                folded.kernel.cross(frame, &self.program.tables, 0, met);
-            }
             self.time = time;
             witness.glided(self, flight);
+            if let Some(met) = met {
+                self.work.crossings += 1;
+                if !flight.cross(self, met) {
+                    return false;
+                }
+            }
             if time >= end {
                 return true;
             }
@@ -313,7 +307,7 @@ impl Ahead for Sight<'_, '_> {
         self.folded.kernel.excess(self.frame, 0, met)
     }
 
-    fn is_corner(&self, met: Met) -> bool {
-        met.is_corner
+    fn room(&self, met: Met) -> f64 {
+        met.room()
     }
 }

@@ -1,7 +1,5 @@
 //! Where in a step the first event comes.
 
-use crate::program::ON_THE_KINK;
-
 /// An event is found when its place in the step is known to this share of the step.
 const FOUND: f64 = 1e-13;
 /// One look in three halves at least: this many make the rest smaller than the step's rounding.
@@ -22,8 +20,8 @@ pub(super) trait Ahead {
     fn excess_now(&self, event: Self::Event) -> f64;
     /// The same of what was looked at.
     fn excess(&self, event: Self::Event) -> f64;
-    /// Whether a step may end a little before it: on a corner either side will do.
-    fn is_corner(&self, event: Self::Event) -> bool;
+    /// Within so many volts of it a step may end on either side; 0 where it must end past it.
+    fn room(&self, event: Self::Event) -> f64;
 }
 
 /// The share of the step looked at after which the first event comes, and which it is. Leaves the look at that
@@ -62,7 +60,7 @@ fn located<A: Ahead>(ahead: &mut A, length: f64, mut event: A::Event) -> (f64, A
         match ahead.event() {
             None => {
                 let excess = ahead.excess(event);
-                if ahead.is_corner(event) && excess.abs() <= ON_THE_KINK {
+                if excess.abs() < ahead.room(event) {
                     return (middle, event);
                 }
                 bracket.raise(middle, excess);

@@ -142,25 +142,41 @@ impl Slideway {
     /// memory's end.
     fn kinks(&self, [error, velocity, memory]: State) -> [f64; 6] {
         let spring = self.stiffness * (error + self.x_step);
-        let friction = self.friction(self.share(velocity), memory);
+        let friction = self.friction(self.share(velocity), memory.max(0.0));
         [spring - friction, spring + friction, velocity, velocity - self.vcl, velocity + self.vcl, memory]
     }
 
+    /// A step along curves that no kink bends: on the sides on which it begins, or where it begins on a kink, ends.
     fn stepped(&self, state: State, time: f64, step: f64) -> State {
-        let first = self.rates(state, time);
-        let second = self.rates(ahead(state, first, step / 2.0), time + step / 2.0);
-        let third = self.rates(ahead(state, second, step / 2.0), time + step / 2.0);
-        let fourth = self.rates(ahead(state, third, step), time + step);
+        let bent = self.stepped_on(state, time, step, |stage| self.kinks(stage));
+        let (before, after) = (self.kinks(state), self.kinks(bent));
+        let sides = std::array::from_fn(|kink| if before[kink] == 0.0 { after[kink] } else { before[kink] });
+        self.stepped_on(state, time, step, |_| sides)
+    }
+
+    fn stepped_on(&self, state: State, time: f64, step: f64, sides: impl Fn(State) -> [f64; 6]) -> State {
+        let rates = |stage: State, time: f64| self.rates(stage, time, sides(stage));
+        let first = rates(state, time);
+        let second = rates(ahead(state, first, step / 2.0), time + step / 2.0);
+        let third = rates(ahead(state, second, step / 2.0), time + step / 2.0);
+        let fourth = rates(ahead(state, third, step), time + step);
         std::array::from_fn(|index| {
             let sum = first[index] + 2.0 * second[index] + 2.0 * third[index] + fourth[index];
             state[index] + step / 6.0 * sum
         })
     }
 
-    fn rates(&self, [error, velocity, memory]: State, time: f64) -> State {
+    /// The rates, with what the signs of the kinks choose.
+    fn rates(&self, [error, velocity, memory]: State, time: f64, sides: [f64; 6]) -> State {
+        let [above, below, forward, fast, back, remembered] = sides.map(|side| side >= 0.0);
         let spring = self.stiffness * (error + self.x_step);
-        let share = self.share(velocity);
-        let accelerating = beyond(spring, self.friction(share, memory)) - self.viscous * velocity;
+        let speed = if forward { velocity } else { -velocity };
+        let share = if fast || !back { 0.0 } else { 1.0 - speed / self.vcl };
+        let friction = self.friction(share, if remembered { memory } else { 0.0 });
+        // What of the force lies beyond the dead zone.
+        let above = if above { spring - friction } else { 0.0 };
+        let below = if below { 0.0 } else { spring + friction };
+        let accelerating = above + below - self.viscous * velocity;
         let commanded = self.v_start + self.v_rate * time.min(2.0 * self.v_turn - time);
         [commanded - velocity, accelerating / self.mass, (share - memory) / self.tc]
     }
@@ -177,18 +193,13 @@ impl Slideway {
                 Law::Constant => 1.0,
                 Law::Straight => share,
                 Law::Square => share * share,
-                Law::Remembered => memory.max(0.0) * memory.max(0.0),
+                Law::Remembered => memory * memory,
             }
     }
 }
 
 fn ahead(state: State, rates: State, step: f64) -> State {
     std::array::from_fn(|index| state[index] + step * rates[index])
-}
-
-/// What of a force lies beyond the dead zone.
-fn beyond(force: f64, friction: f64) -> f64 {
-    (force - friction).max(0.0) + (force + friction).min(0.0)
 }
 
 /// Compared over this time, in seconds, at instants this far apart, against equations with this step.

@@ -7,8 +7,8 @@ use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::{Block, FuncRef, InstBuilder, MemFlagsData, Value, types};
 use cranelift_frontend::FunctionBuilder;
 
-use super::super::Kernel;
-use super::super::code::{Instruction, Slot};
+use super::super::code::Slot;
+use super::super::{Checks, Kernel};
 use super::Memory;
 
 /// What writes the code of a kernel.
@@ -26,8 +26,6 @@ pub(super) struct Emitter<'a, 'f> {
     /// The states and their rates.
     pub states: Value,
     pub rates: Value,
-    /// Whether some operation may give no number.
-    pub is_doubtful: bool,
     /// The values of the slots that were worked out or loaded in this stage.
     pub values: Vec<Option<Value>>,
     /// The beginnings of sums that were worked out in this stage.
@@ -56,13 +54,6 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let [states, rates] = [offset_of!(Memory, states), offset_of!(Memory, rates)]
             .map(|offset| build.ins().load(pointer, constant(), memory, offset as i32));
         let values = vec![None; kernel.layout.all];
-        let codes = [&kernel.moving, &kernel.middle, &kernel.ending];
-        let is_doubtful = codes.iter().flat_map(|code| &code.instructions).any(|instruction| {
-            matches!(
-                instruction,
-                Instruction::Divide { .. } | Instruction::Call { .. } | Instruction::Table { .. }
-            )
-        });
         Emitter {
             build,
             kernel,
@@ -74,7 +65,6 @@ impl<'a, 'f> Emitter<'a, 'f> {
             stage: 0,
             states,
             rates,
-            is_doubtful,
             values,
             sums: HashMap::new(),
             met,
@@ -135,13 +125,10 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let [index, time] = here;
         let end = self.end_of(index, first);
         let length = self.build.ins().fsub(end, time);
-        let (after, rates) = self.stages([time, length, end], |emitter| {
-            let signs = emitter.watch(kernel.watched_in_middle, Some(here));
-            emitter.leave_where_negative(signs, here);
+        let (after, rates, ()) = self.stages([time, length, end], &kernel.quick, |emitter| {
+            emitter.leave_beyond_fences(kernel.quick.in_middle, here);
         });
-        self.watch_states(&after, here);
-        let signs = self.watch(kernel.watches.len(), Some(here));
-        self.leave_where_negative(signs, here);
+        self.leave_beyond_fences(kernel.quick.all, here);
         self.see(end);
         self.keep();
         for index in 0..after.len() {
@@ -158,11 +145,10 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let [time, length, end] =
             [offset_of!(Memory, time), offset_of!(Memory, length), offset_of!(Memory, end)]
                 .map(|offset| self.of_memory(types::F64, offset));
-        let mut within = None;
-        let (after, rates) = self.stages([time, length, end], |emitter| {
-            within = emitter.watch(kernel.watched_in_middle, None);
+        let (after, rates, within) = self.stages([time, length, end], &kernel.thorough, |emitter| {
+            emitter.watch(kernel.thorough.in_middle)
         });
-        let ahead = self.watch(kernel.watches.len(), None);
+        let ahead = self.watch(kernel.thorough.all);
         let pointer = self.pointer;
         let rates_ahead = self.of_memory(pointer, offset_of!(Memory, rates_ahead));
         for index in 0..count {
@@ -173,7 +159,6 @@ impl<'a, 'f> Emitter<'a, 'f> {
             let value = self.get(*slot);
             self.store(value, self.slots[4], *slot as usize);
         }
-        let [within, ahead] = [within, ahead].map(|signs| self.is_negative(signs));
         let two = self.build.ins().iconst(types::I64, 2);
         let otherwise = self.build.ins().uextend(types::I64, within);
         let told = self.build.ins().select(ahead, two, otherwise);
@@ -184,12 +169,13 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.build.ins().return_(&[zero]);
     }
 
-    /// The stages of a step to states and rates at its end; the middle is looked at in between.
-    fn stages(
+    /// The stages of a step to states and rates at its end, with what is checked; the middle is looked at in between.
+    fn stages<T>(
         &mut self,
         [time, length, end]: [Value; 3],
-        in_the_middle: impl FnOnce(&mut Self),
-    ) -> (Vec<Value>, Vec<Value>) {
+        checks: &Checks,
+        in_the_middle: impl FnOnce(&mut Self) -> T,
+    ) -> (Vec<Value>, Vec<Value>, T) {
         let kernel = self.kernel;
         let a_half = self.number(0.5);
         let half = self.build.ins().fmul(a_half, length);
@@ -199,8 +185,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let third = self.stage(1, &second, half, middle);
         let pairs = second.into_iter().zip(&third);
         let inner: Vec<Value> = pairs.map(|(second, third)| self.build.ins().fadd(second, *third)).collect();
-        self.run(&kernel.middle);
-        in_the_middle(self);
+        self.run(&checks.middle);
+        let seen = in_the_middle(self);
         let fourth = self.stage(2, &third, length, end);
         let six = self.number(6.0);
         let sixth = self.build.ins().fdiv(length, six);
@@ -217,9 +203,9 @@ impl<'a, 'f> Emitter<'a, 'f> {
             })
             .collect();
         let rates = self.evaluate(3, &after, end);
-        self.run(&kernel.middle);
-        self.run(&kernel.ending);
-        (after, rates)
+        self.run(&checks.middle);
+        self.run(&checks.ending);
+        (after, rates, seen)
     }
 
     /// When a step ends: as [`Steps::end_of`] tells it.

@@ -18,8 +18,9 @@ use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module, ModuleError, default_libcall_names};
 
-use super::Kernel;
-use super::frame::{Extremes, Frame, Look, Steps};
+use super::frame::{Extremes, Frame};
+use super::step::{Look, Steps};
+use super::{Checks, Kernel};
 use crate::patch::Function;
 use crate::program::Number;
 use emit::Emitter;
@@ -45,6 +46,8 @@ struct Memory {
     rates: *mut f64,
     slopes: *const f64,
     rooms: *const f64,
+    lows: *const f64,
+    highs: *const f64,
     least: *mut f64,
     least_at: *mut f64,
     most: *mut f64,
@@ -71,7 +74,8 @@ const MOST_OPERATIONS: usize = 4000;
 impl Native {
     /// The native code of a kernel; nothing where this processor, or the kernel, is none for it.
     pub fn new(kernel: &Kernel) -> Option<Native> {
-        let codes = [&kernel.moving, &kernel.middle, &kernel.ending];
+        let Checks { middle, ending, .. } = &kernel.thorough;
+        let codes = [&kernel.moving, middle, ending];
         let operations: usize = codes.iter().map(|code| code.instructions.len() + code.terms.len()).sum();
         if operations > MOST_OPERATIONS {
             return None;
@@ -123,6 +127,8 @@ impl Native {
             rates: frame.rates.as_mut_ptr(),
             slopes: frame.slopes.as_ptr(),
             rooms: frame.rooms.as_ptr(),
+            lows: frame.lows.as_ptr(),
+            highs: frame.highs.as_ptr(),
             least: least.as_mut_ptr(),
             least_at: least_at.as_mut_ptr(),
             most: most.as_mut_ptr(),

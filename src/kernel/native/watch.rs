@@ -2,90 +2,49 @@
 
 use std::mem::offset_of;
 
-use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
+use cranelift_codegen::ir::condcodes::FloatCC;
 use cranelift_codegen::ir::{InstBuilder, MemFlagsData, Value, types};
 
 use super::super::Watched;
 use super::Memory;
-use super::emit::{Emitter, constant};
+use super::emit::Emitter;
 
 impl Emitter<'_, '_> {
-    /// Leaves the code where a state is no number.
-    pub fn watch_states(&mut self, states: &[Value], here: [Value; 2]) {
-        let sum = states.iter().copied().reduce(|sum, state| self.build.ins().fadd(sum, state));
-        if let Some(sum) = sum {
-            let is_number = self.build.ins().fcmp(FloatCC::Equal, sum, sum);
-            self.leave_unless(is_number, here);
-        }
-    }
-
-    /// Works slope x voltage + room of the first watches out: a number whose sign is that of any of them below 0. Where
-    /// some may be none, the code is left at each that is not 0 or more. Without a way to leave it writes them down,
-    /// and what is none counts as below 0.
-    pub fn watch(&mut self, watches: usize, here: Option<[Value; 2]>) -> Option<Value> {
+    /// Works slope x voltage + room of the first watches out and writes them down: whether any is not 0 or more.
+    pub fn watch(&mut self, watches: usize) -> Value {
         let pointer = self.pointer;
         let [slopes, rooms, rests] =
             [offset_of!(Memory, slopes), offset_of!(Memory, rooms), offset_of!(Memory, rests)]
                 .map(|offset| self.of_memory(pointer, offset));
-        let (zero, below) = (self.number(0.0), self.number(-1.0));
-        let mut signs: Option<Value> = None;
+        let zero = self.number(0.0);
+        let mut any = self.build.ins().iconst(types::I8, 0);
         for (index, watch) in self.kernel.watches[..watches].iter().enumerate() {
             let mut value = self.get(watch.slot);
             if matches!(watch.what, Watched::Size(_)) {
                 value = self.build.ins().fabs(value);
             }
-            let offset = 8 * index as i32;
-            let of =
-                |emitter: &mut Self, base| emitter.build.ins().load(types::F64, constant(), base, offset);
-            let mut rest = match watch.what {
-                Watched::Corner | Watched::Points { .. } => {
-                    let [slope, room] = [slopes, rooms].map(|base| of(self, base));
-                    self.build.ins().fma(value, slope, room)
-                }
-                Watched::Above(_) => {
-                    let room = of(self, rooms);
-                    self.build.ins().fadd(value, room)
-                }
-                Watched::Below(_) | Watched::Size(_) => {
-                    let room = of(self, rooms);
-                    self.build.ins().fsub(room, value)
-                }
-            };
-            if here.is_none() {
-                self.store(rest, rests, index);
-            }
-            if self.is_doubtful || here.is_none() {
-                let holds = self.build.ins().fcmp(FloatCC::GreaterThanOrEqual, rest, zero);
-                match here {
-                    Some(here) => {
-                        self.leave_unless(holds, here);
-                        continue;
-                    }
-                    None => rest = self.build.ins().select(holds, zero, below),
-                }
-            }
-            signs = Some(signs.map_or(rest, |signs| self.build.ins().bor(signs, rest)));
+            let [slope, room] = [slopes, rooms].map(|base| self.load(base, index));
+            let rest = self.build.ins().fma(value, slope, room);
+            self.store(rest, rests, index);
+            let is_short = self.build.ins().fcmp(FloatCC::UnorderedOrLessThan, rest, zero);
+            any = self.build.ins().bor(any, is_short);
         }
-        signs
+        any
     }
 
-    /// Whether the sign of a number is set.
-    pub fn is_negative(&mut self, signs: Option<Value>) -> Value {
-        let signs = signs.unwrap_or_else(|| self.number(0.0));
-        let bits = self.build.ins().bitcast(types::I64, MemFlagsData::new(), signs);
-        self.build.ins().icmp_imm_s(IntCC::SignedLessThan, bits, 0)
-    }
-
-    pub fn leave_where_negative(&mut self, signs: Option<Value>, here: [Value; 2]) {
-        if signs.is_some() {
-            let is_negative = self.is_negative(signs);
-            let next = self.build.create_block();
-            self.build.ins().brif(is_negative, self.met, &here.map(Into::into), next, &[]);
-            self.build.switch_to_block(next);
-        }
-    }
-
-    fn leave_unless(&mut self, holds: Value, here: [Value; 2]) {
+    /// Leaves the code where one of the first fences' voltages is not between its numbers: two are looked at at a time.
+    pub fn leave_beyond_fences(&mut self, fences: usize, here: [Value; 2]) {
+        let kernel = self.kernel;
+        let values: Vec<Value> = kernel.fences[..fences].iter().map(|fence| self.get(fence.slot)).collect();
+        let bases = [
+            (FloatCC::GreaterThanOrEqual, offset_of!(Memory, lows)),
+            (FloatCC::LessThanOrEqual, offset_of!(Memory, highs)),
+        ];
+        let pointer = self.pointer;
+        let bases = bases.map(|(is, offset)| (is, self.of_memory(pointer, offset)));
+        let compared = self.compared_in_pairs(&values, bases);
+        let Some(all) = compared.into_iter().reduce(|all, is| self.build.ins().band(all, is)) else { return };
+        let holds = self.build.ins().vall_true(all);
         let next = self.build.create_block();
         self.build.ins().brif(holds, next, &[], self.met, &here.map(Into::into));
         self.build.switch_to_block(next);
@@ -108,7 +67,9 @@ impl Emitter<'_, '_> {
             .map(|(is, extremes, at)| (is, self.of_memory(pointer, extremes), self.of_memory(pointer, at)));
         let bases = sides.map(|(is, extremes, _)| (is, extremes));
         let next = self.build.create_block();
-        if let Some(any) = self.any_new(&values, bases) {
+        let compared = self.compared_in_pairs(&values, bases);
+        if let Some(any) = compared.into_iter().reduce(|any, is| self.build.ins().bor(any, is)) {
+            let any = self.build.ins().vany_true(any);
             let new = self.build.create_block();
             self.build.ins().brif(any, new, &[], next, &[]);
             self.build.switch_to_block(new);
@@ -122,22 +83,29 @@ impl Emitter<'_, '_> {
         self.build.switch_to_block(next);
     }
 
-    /// Whether any of two or more voltages is beyond what was seen of it.
-    fn any_new(&mut self, values: &[Value], bases: [(FloatCC, Value); 2]) -> Option<Value> {
-        let mut any: Option<Value> = None;
-        let last = values.len().checked_sub(2)?;
-        // The last two overlap those before them where the number is odd.
-        for first in (0..values.len()).step_by(2).map(|first| first.min(last)) {
-            let one = self.build.ins().scalar_to_vector(types::F64X2, values[first]);
-            let both = self.build.ins().insertlane(one, values[first + 1], 1);
+    /// Compares voltages, two at a time, with numbers that stand in memory; of an odd number the last stands twice.
+    fn compared_in_pairs(&mut self, values: &[Value], bases: [(FloatCC, Value); 2]) -> Vec<Value> {
+        let mut compared = Vec::new();
+        for first in (0..values.len()).step_by(2) {
+            let pair = [first, (first + 1).min(values.len() - 1)];
+            let both = self.pair(pair.map(|index| values[index]));
             for (is, base) in bases {
-                let flags = MemFlagsData::trusted();
-                let known = self.build.ins().load(types::F64X2, flags, base, 8 * first as i32);
-                let is_new = self.build.ins().fcmp(is, both, known);
-                any = Some(any.map_or(is_new, |any| self.build.ins().bor(any, is_new)));
+                let known = if pair[0] == pair[1] {
+                    let known =
+                        self.build.ins().load(types::F64, MemFlagsData::trusted(), base, 8 * first as i32);
+                    self.build.ins().splat(types::F64X2, known)
+                } else {
+                    self.build.ins().load(types::F64X2, MemFlagsData::trusted(), base, 8 * first as i32)
+                };
+                compared.push(self.build.ins().fcmp(is, both, known));
             }
         }
-        any.map(|any| self.build.ins().vany_true(any))
+        compared
+    }
+
+    fn pair(&mut self, [one, other]: [Value; 2]) -> Value {
+        let pair = self.build.ins().scalar_to_vector(types::F64X2, one);
+        self.build.ins().insertlane(pair, other, 1)
     }
 
     fn see_one(&mut self, value: Value, time: Value, is: FloatCC, index: usize, [extremes, at]: [Value; 2]) {

@@ -1,0 +1,278 @@
+//! Where everything of a kernel stands, and in which order it is worked out.
+
+use std::collections::HashMap;
+
+use super::code::{Code, Instruction, Slot};
+use super::fold::{Corner, Terms};
+use super::form::{Atom, Factor, Form};
+use super::node::{Node, Operand, atoms, needed};
+use super::{Checks, Fence, Kernel, Layout, Posted, Watch, Watched};
+use crate::program::Program;
+
+/// The kernel of what was folded of a program.
+pub(super) fn laid_out(folded: Terms, program: &Program) -> Kernel {
+    Layouter::new(folded, program).kernel()
+}
+
+/// Gives everything its slot.
+struct Layouter {
+    folded: Terms,
+    factors: Vec<Factor>,
+    places: HashMap<(bool, u64), Slot>,
+    layout: Layout,
+    /// Where every atom stands.
+    slots: Vec<Slot>,
+    /// How many operations one after the other lead to every atom.
+    depths: Vec<u32>,
+}
+
+impl Layouter {
+    fn new(folded: Terms, program: &Program) -> Self {
+        let mut layouter = Layouter {
+            factors: Vec::new(),
+            places: HashMap::new(),
+            layout: Layout::default(),
+            slots: Vec::new(),
+            depths: Vec::new(),
+            folded,
+        };
+        layouter.measure_depths();
+        layouter.list_factors();
+        layouter.place(program);
+        layouter
+    }
+
+    fn measure_depths(&mut self) {
+        for node in &self.folded.nodes {
+            let depth = |operand| match operand {
+                Operand::Factor(_) => 0,
+                Operand::Atom(atom) => self.depths[atom as usize] + 1,
+            };
+            self.depths.push(node.operands().into_iter().map(depth).max().unwrap_or(0));
+        }
+    }
+
+    fn list_factors(&mut self) {
+        let folded = &self.folded;
+        let outputs = folded.rates.iter().chain(&folded.kept).chain(&folded.seen).copied();
+        let bounds = folded.bounds.all.iter().flat_map(|(_, low, high)| [*low, *high].map(Operand::Factor));
+        let all = outputs.chain(bounds).chain(folded.nodes.iter().flat_map(Node::operands));
+        for operand in all {
+            if let Operand::Factor(factor) = operand {
+                let next = self.factors.len() as Slot;
+                if *self.places.entry(factor.key()).or_insert(next) == next {
+                    self.factors.push(factor);
+                }
+            }
+        }
+    }
+
+    fn place(&mut self, program: &Program) {
+        let states = self.factors.len();
+        let time = states + program.states.len();
+        let kept = time + 1;
+        let noise = kept + program.kept.len();
+        let mut next = noise + program.noises.len();
+        for node in &self.folded.nodes {
+            self.slots.push(match node {
+                Node::State(index) => states as Slot + index,
+                Node::Time => time as Slot,
+                Node::Kept(index) => kept as Slot + index,
+                Node::Noise(index) => noise as Slot + index,
+                _ => {
+                    next += 1;
+                    next as Slot - 1
+                }
+            });
+        }
+        self.layout = Layout { states, time, kept, noise, all: next };
+    }
+
+    fn operand(&self, operand: Operand) -> Slot {
+        match operand {
+            Operand::Factor(factor) => self.factor(factor),
+            Operand::Atom(atom) => self.slots[atom as usize],
+        }
+    }
+
+    fn factor(&self, factor: Factor) -> Slot {
+        self.places[&factor.key()]
+    }
+
+    fn kernel(self) -> Kernel {
+        let folded = &self.folded;
+        let (watched, watched_in_middle) = self.watched();
+        let (fenced, fenced_in_middle) = self.fenced(&watched, watched_in_middle);
+        let slots = |operands: &[Operand]| operands.iter().map(|operand| self.operand(*operand)).collect();
+        let mut done = vec![false; folded.nodes.len()];
+        let moving = self.code(&mut done, atoms(&folded.rates));
+        let watched_atoms: Vec<Atom> = watched.iter().map(|(atom, _)| *atom).collect();
+        let fenced_atoms: Vec<Atom> = fenced.iter().map(|(atom, _)| *atom).collect();
+        let corners = watched.iter().filter(|(_, what)| what.is_corner()).count();
+        let slot = |atom: Atom| self.slots[atom as usize];
+        Kernel {
+            layout: self.layout,
+            moving,
+            quick: self.checks(&done, &fenced_atoms, fenced_in_middle),
+            thorough: self.checks(&done, &watched_atoms, watched_in_middle),
+            rates: slots(&folded.rates),
+            kept: slots(&folded.kept),
+            seen: slots(&folded.seen),
+            turning: (0..folded.seen.len()).filter(|index| self.may_turn(folded.seen[*index])).collect(),
+            watches: watched.into_iter().map(|(atom, what)| Watch { slot: slot(atom), what }).collect(),
+            corners,
+            fences: fenced.into_iter().map(|(atom, watches)| Fence { slot: slot(atom), watches }).collect(),
+            still: folded.bounds.still.clone(),
+            given: folded.early.given as usize,
+            early: self.folded.early.ops,
+            factors: self.factors,
+        }
+    }
+
+    /// What is watched, and how much of it, the first, in the middle of a step too.
+    fn watched(&self) -> (Vec<(Atom, Watched)>, usize) {
+        let mut watched = Vec::new();
+        for &Corner { of, table, given } in &self.folded.corners {
+            let given = given as usize;
+            match table {
+                None => watched.push((of, Watched::Corner { given })),
+                Some(table) => {
+                    watched.extend([false, true].map(|above| (of, Watched::Points { table, above, given })))
+                }
+            }
+        }
+        let mut in_middle = watched.len();
+        let bounds = &self.folded.bounds;
+        for (index, (atom, low, high)) in bounds.all.iter().enumerate() {
+            watched.extend(self.bounds(*low, *high).into_iter().map(|what| (*atom, what)));
+            if index < bounds.guards {
+                in_middle = watched.len();
+            }
+        }
+        (watched, in_middle)
+    }
+
+    /// What is fenced, with the watches there, and how much of it, the first, in the middle of a step too. Every state
+    /// is: it must be a number.
+    fn fenced(&self, watched: &[(Atom, Watched)], in_middle: usize) -> (Vec<(Atom, Vec<Posted>)>, usize) {
+        let mut fenced: Vec<(Atom, Vec<Posted>)> = Vec::new();
+        let mut places = HashMap::new();
+        let mut place = |fenced: &mut Vec<(Atom, Vec<Posted>)>, atom: Atom| {
+            *places.entry(atom).or_insert_with(|| {
+                fenced.push((atom, Vec::new()));
+                fenced.len() - 1
+            })
+        };
+        let mut fenced_in_middle = 0;
+        for (watch, (atom, _)) in watched.iter().enumerate() {
+            let (of, line) = match &self.folded.nodes[*atom as usize] {
+                Node::Sum(Form { constant, terms }) if terms.len() == 1 => {
+                    (terms[0].0, Some([*constant, terms[0].1].map(|factor| self.factor(factor))))
+                }
+                _ => (*atom, None),
+            };
+            let at = place(&mut fenced, of);
+            fenced[at].1.push(Posted { watch, line });
+            if watch < in_middle {
+                fenced_in_middle = fenced.len();
+            }
+        }
+        for (atom, node) in self.folded.nodes.iter().enumerate() {
+            if matches!(node, Node::State(_)) {
+                place(&mut fenced, atom as Atom);
+            }
+        }
+        (fenced, fenced_in_middle)
+    }
+
+    fn may_turn(&self, operand: Operand) -> bool {
+        let Operand::Atom(atom) = operand else { return false };
+        match &self.folded.nodes[atom as usize] {
+            Node::Time => false,
+            Node::Sum(form) => form.terms.iter().any(|(atom, _)| self.may_turn(Operand::Atom(*atom))),
+            _ => true,
+        }
+    }
+
+    /// What has to be watched of a voltage between two numbers.
+    fn bounds(&self, low: Factor, high: Factor) -> Vec<Watched> {
+        match (low, high) {
+            (Factor::Number(low), Factor::Number(number)) if low == -number => {
+                vec![Watched::Size(self.factor(high))]
+            }
+            (Factor::Number(f64::NEG_INFINITY), _) => vec![Watched::Below(self.factor(high))],
+            (_, Factor::Number(f64::INFINITY)) => vec![Watched::Above(self.factor(low))],
+            _ => vec![Watched::Above(self.factor(low)), Watched::Below(self.factor(high))],
+        }
+    }
+
+    /// What is worked out to look at some atoms, beyond what is done: the first of them in the middle of a step too. At
+    /// its end also what is recorded and kept.
+    fn checks(&self, done: &[bool], looked_at: &[Atom], in_middle: usize) -> Checks {
+        let mut done = done.to_vec();
+        let ending = [&self.folded.kept, &self.folded.seen].into_iter().flat_map(|all| atoms(all));
+        Checks {
+            middle: self.code(&mut done, looked_at[..in_middle].iter().copied()),
+            ending: self.code(&mut done, looked_at[in_middle..].iter().copied().chain(ending)),
+            in_middle,
+            all: looked_at.len(),
+        }
+    }
+
+    /// The operations that some atoms need, and that are not done yet.
+    fn code(&self, done: &mut [bool], wanted: impl Iterator<Item = Atom>) -> Code {
+        let mut code = Code::default();
+        let needed = needed(&self.folded.nodes, wanted);
+        for (at, node) in self.folded.nodes.iter().enumerate() {
+            if needed[at] && !std::mem::replace(&mut done[at], true) {
+                self.emit(node, self.slots[at], &mut code);
+            }
+        }
+        code
+    }
+
+    fn emit(&self, node: &Node, out: Slot, code: &mut Code) {
+        let of = |operand: &Operand| self.operand(*operand);
+        let instruction = match node {
+            Node::State(_) | Node::Time | Node::Kept(_) | Node::Noise(_) => return,
+            Node::Sum(form) => {
+                let constant = self.factor(form.constant);
+                // What comes last is added last, so that it is waited for but once.
+                let mut terms = form.terms.clone();
+                terms.sort_by_key(|(atom, _)| self.depths[*atom as usize]);
+                let terms =
+                    terms.into_iter().map(|(atom, factor)| (self.factor(factor), self.slots[atom as usize]));
+                let first = code.terms.len() as u32;
+                match form.terms[..] {
+                    [(atom, factor)] => {
+                        let (factor, a) = (self.factor(factor), self.slots[atom as usize]);
+                        if form.constant.is(0.0) {
+                            Instruction::Scaled { out, factor, a }
+                        } else {
+                            Instruction::Line { out, constant, factor, a }
+                        }
+                    }
+                    _ => {
+                        code.terms.extend(terms);
+                        Instruction::Sum { out, constant, first, count: form.terms.len() as u32 }
+                    }
+                }
+            }
+            Node::Multiply(a, b) => Instruction::Multiply { out, a: of(a), b: of(b) },
+            Node::Divide(a, b) => Instruction::Divide { out, a: of(a), b: of(b) },
+            Node::Minimum(a, b) => Instruction::Minimum { out, a: of(a), b: of(b) },
+            Node::Maximum(a, b) => Instruction::Maximum { out, a: of(a), b: of(b) },
+            Node::Absolute(a) => Instruction::Absolute { out, a: of(a) },
+            Node::Select { left, right, then, otherwise } => Instruction::Select {
+                out,
+                left: of(left),
+                right: of(right),
+                then: of(then),
+                otherwise: of(otherwise),
+            },
+            Node::Call(function, a, b) => Instruction::Call { out, function: *function, a: of(a), b: of(b) },
+            Node::Table(table, a) => Instruction::Table { out, table: *table, a: of(a) },
+        };
+        code.instructions.push(instruction);
+    }
+}

@@ -1,0 +1,268 @@
+//! On which sides of the corners the voltages are, and what they may not pass.
+
+use super::code::Slot;
+use std::ops::Range;
+
+use super::frame::Frame;
+use super::lane::Lane;
+use super::{Kernel, Posted, Watched};
+use crate::program::{ON_THE_KINK, Program, segment};
+
+/// So many volts beyond a corner a voltage is on the other side.
+const BEYOND: f64 = 10.0 * ON_THE_KINK;
+
+/// Something met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Met {
+    /// Index of the watch.
+    watch: usize,
+    /// What is left of the watch where it is met.
+    rest: f64,
+    /// Whether it is a corner, and the kernel still holds beyond it.
+    pub is_corner: bool,
+}
+
+impl Met {
+    /// Within so many volts of it a step may end on either side; 0 where it must end past it.
+    pub fn room(self) -> f64 {
+        0.5 * self.rest
+    }
+}
+
+impl Kernel {
+    /// Works everything out where a lane is, on the sides of the corners on which its voltages are, and binds it. Tells
+    /// whether the kernel holds there. The factors may be due for other coefficients.
+    pub fn settle<V: Lane>(
+        &self,
+        frame: &mut Frame<V>,
+        program: &Program,
+        coefficients: &[f64],
+        lane: usize,
+        mut is_due: bool,
+    ) -> bool {
+        // A corner may lie behind others: one at least is settled in each round.
+        for _ in 0..self.corners + 2 {
+            let fits = !is_due || self.put_factors(frame, program, coefficients, lane);
+            self.show(frame, &program.tables);
+            is_due = self.take_sides(frame, &program.tables, lane);
+            if !is_due {
+                self.bind(frame, &program.tables, lane);
+                return self.stand(frame, lane) && fits;
+            }
+        }
+        false
+    }
+
+    /// Tells from the voltages worked out last on which sides of the corners they are; whether any is on another than
+    /// before. The factors have to be worked out again then.
+    fn take_sides<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], lane: usize) -> bool {
+        (0..self.watches.len()).fold(false, |any, watch| {
+            let value = self.watches[watch].value(&frame.slots).get(lane);
+            self.take_side(frame, tables, lane, watch, value) || any
+        })
+    }
+
+    /// The same of the corner of a watch, as its voltage is.
+    fn take_side<V: Lane>(
+        &self,
+        frame: &mut Frame<V>,
+        tables: &[Vec<[f64; 2]>],
+        lane: usize,
+        watch: usize,
+        value: f64,
+    ) -> bool {
+        let mut give = |given: usize, number: f64| {
+            std::mem::replace(&mut frame.given[lane * self.given + given], number) != number
+        };
+        match self.watches[watch].what {
+            Watched::Corner { given } => give(given, if value >= 0.0 { 1.0 } else { 0.0 }),
+            Watched::Points { table, above: false, given } => {
+                let (ordinate, slope, origin) = segment(&tables[table as usize], value);
+                let changed = give(given, slope);
+                give(given + 1, ordinate - slope * origin) || changed
+            }
+            _ => false,
+        }
+    }
+
+    /// Binds what is watched: corners keep the side on which they are.
+    fn bind<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], lane: usize) {
+        for watch in 0..self.watches.len() {
+            let value = self.watches[watch].value(&frame.slots).get(lane);
+            self.bind_one(frame, tables, lane, watch, value);
+        }
+    }
+
+    /// Binds a watch to the side on which a voltage is.
+    fn bind_one<V: Lane>(
+        &self,
+        frame: &mut Frame<V>,
+        tables: &[Vec<[f64; 2]>],
+        lane: usize,
+        watch: usize,
+        value: f64,
+    ) {
+        let [slope, room] = self.line(frame, tables, lane, watch, value);
+        frame.slopes[watch].set(lane, slope);
+        frame.rooms[watch].set(lane, room);
+    }
+
+    /// Takes the voltages worked out last as those of the present. Tells whether all but those that are at a corner are
+    /// within their bounds.
+    fn stand<V: Lane>(&self, frame: &mut Frame<V>, lane: usize) -> bool {
+        self.put_fences(frame, lane);
+        (0..self.watches.len()).fold(true, |all, watch| {
+            let value = self.watches[watch].value(&frame.slots).get(lane);
+            let [slope, room] = [&frame.slopes, &frame.rooms].map(|line| line[watch].get(lane));
+            let rest = value.mul_add(slope, room);
+            frame.present[watch].set(lane, rest);
+            all && (rest >= 0.0 || self.is_corner(watch))
+        })
+    }
+
+    /// Puts the fences where the watches are that they stand for.
+    fn put_fences<V: Lane>(&self, frame: &mut Frame<V>, lane: usize) {
+        for (index, fence) in self.fences.iter().enumerate() {
+            let mut range = [f64::NEG_INFINITY, f64::INFINITY];
+            for Posted { watch, line } in &fence.watches {
+                let of = |slot: Slot| frame.slots[slot as usize].get(lane);
+                let [constant, factor] = line.map_or([0.0, 1.0], |line| line.map(of));
+                let [slope, room] = [&frame.slopes, &frame.rooms].map(|all| all[*watch].get(lane));
+                // By rounding of a line a fence stands rather too near: what is met is told by the watch.
+                let rounding = line.map_or(0.0, |_| 4.0 * f64::EPSILON * (constant.abs() + room.abs()));
+                let mut keep = |slope: f64| {
+                    range = narrowed(range, slope * factor, slope.mul_add(constant, room) - rounding);
+                };
+                keep(slope);
+                if matches!(self.watches[*watch].what, Watched::Size(_)) {
+                    keep(-slope);
+                }
+            }
+            let [low, high] = range;
+            frame.lows[index].set(lane, low);
+            frame.highs[index].set(lane, high);
+        }
+    }
+
+    /// Slope and room of a watch whose voltage is here.
+    fn line<V: Lane>(
+        &self,
+        frame: &Frame<V>,
+        tables: &[Vec<[f64; 2]>],
+        lane: usize,
+        watch: usize,
+        value: f64,
+    ) -> [f64; 2] {
+        match self.watches[watch].what {
+            Watched::Corner { .. } => [if value >= 0.0 { 1.0 } else { -1.0 }, ON_THE_KINK],
+            Watched::Points { table, above, .. } => beside_corner(&tables[table as usize], value, above),
+            Watched::Above(slot) => [1.0, -frame.slots[slot as usize].get(lane)],
+            Watched::Below(slot) | Watched::Size(slot) => [-1.0, frame.slots[slot as usize].get(lane)],
+        }
+    }
+
+    /// What was met on the way to what was looked at: guards first, as modes change at some corners; corners before ranges,
+    /// as beyond a corner the kernel tells of voltages that there are none.
+    pub fn met<V: Lane>(&self, frame: &Frame<V>, lane: usize) -> Option<Met> {
+        let guard = self.short(frame, lane, self.corners..self.thorough.in_middle).next();
+        let range = || self.short(frame, lane, self.thorough.in_middle..self.thorough.all).next();
+        let watch = guard.or_else(|| self.passed(frame, lane).next()).or_else(range)?;
+        let is_corner = self.is_corner(watch);
+        Some(Met { watch, rest: if is_corner { ON_THE_KINK } else { 0.0 }, is_corner })
+    }
+
+    /// A corner on which the frame is, and that it left on its other side.
+    pub fn left_behind<V: Lane>(&self, frame: &Frame<V>, lane: usize) -> Option<Met> {
+        let is_near = |watch: &usize| frame.present[*watch].get(lane) <= 3.0 * ON_THE_KINK;
+        let watch = self.passed(frame, lane).find(is_near)?;
+        Some(Met { watch, rest: ON_THE_KINK, is_corner: true })
+    }
+
+    /// The corners that were passed; without their room where a range shows what lies beyond one of them.
+    fn passed<V: Lane>(&self, frame: &Frame<V>, lane: usize) -> impl Iterator<Item = usize> {
+        let ranges = self.thorough.in_middle..self.thorough.all;
+        let least = if self.short(frame, lane, ranges).next().is_some() { ON_THE_KINK } else { 0.0 };
+        (0..self.corners).filter(move |watch| frame.rests[*watch].get(lane) < least)
+    }
+
+    /// Of some watches those of which less than nothing is left at what was looked at.
+    fn short<V: Lane>(&self, frame: &Frame<V>, lane: usize, of: Range<usize>) -> impl Iterator<Item = usize> {
+        of.filter(move |watch| {
+            let rest = frame.rests[*watch].get(lane);
+            rest < 0.0 || rest.is_nan()
+        })
+    }
+
+    fn is_corner(&self, watch: usize) -> bool {
+        watch < self.corners
+    }
+
+    /// How far past it what was looked at is; negative before it.
+    pub fn excess<V: Lane>(&self, frame: &Frame<V>, lane: usize, met: Met) -> f64 {
+        met.rest - frame.rests[met.watch].get(lane)
+    }
+
+    /// The same of the present.
+    pub fn excess_now<V: Lane>(&self, frame: &Frame<V>, lane: usize, met: Met) -> f64 {
+        met.rest - frame.present[met.watch].get(lane)
+    }
+
+    /// Goes over to the other side of a corner on which the frame is, and works everything out there. Tells whether the
+    /// kernel holds there.
+    pub fn cross<V: Lane>(
+        &self,
+        frame: &mut Frame<V>,
+        program: &Program,
+        coefficients: &[f64],
+        lane: usize,
+        met: Met,
+    ) -> bool {
+        let [slope, room] = [&frame.slopes, &frame.rooms].map(|line| line[met.watch].get(lane));
+        let beyond = (frame.present[met.watch].get(lane) - room) / slope - BEYOND * slope;
+        let watches = match self.watches[met.watch].what {
+            Watched::Points { above, .. } => {
+                let lower = met.watch - usize::from(above);
+                lower..lower + 2
+            }
+            _ => met.watch..met.watch + 1,
+        };
+        for watch in watches {
+            self.take_side(frame, &program.tables, lane, watch, beyond);
+            self.bind_one(frame, &program.tables, lane, watch, beyond);
+        }
+        let fits = self.put_factors(frame, program, coefficients, lane);
+        self.show(frame, &program.tables);
+        for (rate, slot) in frame.rates.iter_mut().zip(&self.rates) {
+            *rate = frame.slots[*slot as usize];
+        }
+        self.stand(frame, lane) && fits
+    }
+}
+
+/// Of a range of numbers x, those for which slope x + room is not below 0.
+fn narrowed([low, high]: [f64; 2], slope: f64, room: f64) -> [f64; 2] {
+    match slope {
+        slope if slope > 0.0 => [low.max(-room / slope), high],
+        slope if slope < 0.0 => [low, high.min(-room / slope)],
+        _ => [low, high],
+    }
+}
+
+/// Slope and room of a place that must not pass the next corner below or above it.
+fn beside_corner(points: &[[f64; 2]], place: f64, above: bool) -> [f64; 2] {
+    let after = points.partition_point(|point| point[0] <= place);
+    let corner = if above { points.get(after) } else { points[..after].last() };
+    match corner {
+        Some([corner, _]) if above => [-1.0, corner + ON_THE_KINK],
+        Some([corner, _]) => [1.0, ON_THE_KINK - corner],
+        None => [1.0, f64::INFINITY],
+    }
+}
+
+impl super::Watch {
+    #[inline(always)]
+    pub(super) fn value<V: Lane>(&self, slots: &[V]) -> V {
+        let value = slots[self.slot as usize];
+        if matches!(self.what, Watched::Size(_)) { value.absolute() } else { value }
+    }
+}

@@ -1,0 +1,262 @@
+//! The steps of a kernel.
+
+use pulp::{Arch, NullaryFnOnce};
+
+use super::frame::{Extremes, Frame};
+use super::lane::Lane;
+use super::{Checks, Kernel};
+use crate::grid::Grid;
+
+/// What a look ahead met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Look {
+    /// Nothing.
+    Quiet,
+    /// Something that comes and goes within the step.
+    Within,
+    /// Something.
+    Ahead,
+}
+
+impl Kernel {
+    /// Looks ahead by a step of this length that ends at a time, and at every watch.
+    #[inline(always)]
+    fn look<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], length: f64, end: f64) -> Look {
+        match self
+            .ahead(frame, tables, [length, end], &self.thorough, |frame, watches| self.rest(frame, watches))
+        {
+            [_, false] => Look::Ahead,
+            [false, true] => Look::Within,
+            [true, true] => Look::Quiet,
+        }
+    }
+
+    /// Works out where a step of this length that ends at a time leads to: states and their rates, and what is checked in
+    /// its middle and at its end. Tells whether the checks hold there.
+    #[inline(always)]
+    fn ahead<V: Lane>(
+        &self,
+        frame: &mut Frame<V>,
+        tables: &[Vec<[f64; 2]>],
+        [length, end]: [f64; 2],
+        checks: &Checks,
+        holds: impl Fn(&mut Frame<V>, usize) -> bool,
+    ) -> [bool; 2] {
+        let (whole, half) = (V::splat(length), V::splat(0.5 * length));
+        let middle = frame.time + 0.5 * length;
+        self.stage(frame, tables, 0, half, middle);
+        self.stage(frame, tables, 1, half, middle);
+        checks.middle.run(&mut frame.slots, tables);
+        let within = holds(frame, checks.in_middle);
+        self.stage(frame, tables, 2, whole, end);
+        let sixth = V::splat(length / 6.0);
+        let two = V::splat(2.0);
+        for state in 0..frame.states.len() {
+            let [second, third, fourth] = [0, 1, 2].map(|stage| frame.stages[stage][state]);
+            let inner = second.add(third);
+            let outer = frame.rates[state].add(fourth);
+            let rate = inner.multiply_add(two, outer);
+            // Rounded before it is added: straight lines stay exact.
+            frame.slots[self.layout.states + state] = frame.states[state].add(rate.multiply(sixth));
+        }
+        self.moving.run(&mut frame.slots, tables);
+        self.keep(frame, 3);
+        checks.middle.run(&mut frame.slots, tables);
+        checks.ending.run(&mut frame.slots, tables);
+        [within, holds(frame, checks.all)]
+    }
+
+    #[inline(always)]
+    fn stage<V: Lane>(
+        &self,
+        frame: &mut Frame<V>,
+        tables: &[Vec<[f64; 2]>],
+        stage: usize,
+        length: V,
+        time: f64,
+    ) {
+        let from = if stage == 0 { &frame.rates } else { &frame.stages[stage - 1] };
+        let states = &mut frame.slots[self.layout.states..self.layout.time];
+        for ((trial, state), rate) in states.iter_mut().zip(&frame.states).zip(from) {
+            *trial = rate.multiply_add(length, *state);
+        }
+        frame.slots[self.layout.time] = V::splat(time);
+        self.moving.run(&mut frame.slots, tables);
+        self.keep(frame, stage);
+    }
+
+    #[inline(always)]
+    fn keep<V: Lane>(&self, frame: &mut Frame<V>, stage: usize) {
+        for (rate, slot) in frame.stages[stage].iter_mut().zip(&self.rates) {
+            *rate = frame.slots[*slot as usize];
+        }
+    }
+
+    /// Works out what is left of the first watches, and tells whether that is nowhere below 0.
+    #[inline(always)]
+    fn rest<V: Lane>(&self, frame: &mut Frame<V>, watches: usize) -> bool {
+        let lines = frame.slopes.iter().zip(&frame.rooms).zip(&mut frame.rests);
+        let all = self.watches[..watches].iter().zip(lines);
+        let zero = V::splat(0.0);
+        all.fold(true, |quiet, (watch, ((slope, room), rest))| {
+            *rest = watch.value(&frame.slots).multiply_add(*slope, *room);
+            quiet & rest.reaches(zero)
+        })
+    }
+
+    /// Whether nothing is beyond the first fences.
+    #[inline(always)]
+    fn is_fenced<V: Lane>(&self, frame: &Frame<V>, fences: usize) -> bool {
+        let ranges = frame.lows.iter().zip(&frame.highs);
+        let all = self.fences[..fences].iter().zip(ranges);
+        all.fold(true, |all, (fence, (low, high))| {
+            let value = frame.slots[fence.slot as usize];
+            all & value.reaches(*low) & high.reaches(value)
+        })
+    }
+
+    /// Makes the step looked at the present.
+    #[inline(always)]
+    fn accept<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
+        frame.states.copy_from_slice(&frame.slots[self.layout.states..self.layout.time]);
+        let [.., end] = &frame.stages;
+        frame.rates.copy_from_slice(end);
+        for (index, slot) in self.kept.iter().enumerate() {
+            frame.slots[self.layout.kept + index] = frame.slots[*slot as usize];
+        }
+        frame.time = time;
+    }
+
+    /// Sees the voltages that are recorded at the step looked at, which ends at a time.
+    #[inline(always)]
+    fn see<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
+        let now = V::splat(time);
+        let Extremes { least, least_at, most, most_at } = &mut frame.extremes;
+        for (index, seen) in self.turning.iter().enumerate() {
+            let value = frame.slots[self.seen[*seen] as usize];
+            least_at[index] = V::select_below(value, least[index], now, least_at[index]);
+            least[index] = V::select_below(value, least[index], value, least[index]);
+            most_at[index] = V::select_below(most[index], value, now, most_at[index]);
+            most[index] = V::select_below(most[index], value, value, most[index]);
+        }
+    }
+
+    /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
+    #[inline(always)]
+    fn all_steps<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], grid: &Steps) -> u64 {
+        for step in 0..grid.count {
+            let end = grid.end_of(step);
+            let length = end - frame.time;
+            let checked = self.ahead(frame, tables, [length, end], &self.quick, |frame, fences| {
+                self.is_fenced(frame, fences)
+            });
+            if checked != [true; 2] {
+                return step;
+            }
+            self.see(frame, end);
+            self.accept(frame, end);
+        }
+        grid.count
+    }
+}
+
+/// The same with what the processor offers.
+impl Kernel {
+    /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
+    pub fn steps<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], grid: &Steps) -> u64 {
+        Arch::new().dispatch(AllSteps { kernel: self, frame, tables, grid })
+    }
+
+    /// Looks ahead by a step of this length.
+    pub fn look_ahead<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], length: f64) -> Look {
+        Arch::new().dispatch(OneLook { kernel: self, frame, tables, length })
+    }
+
+    /// Makes the step looked at, which ends at a time, the present.
+    pub fn take<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
+        frame.last.time = frame.time;
+        frame.last.states.copy_from_slice(&frame.states);
+        frame.last.rates.copy_from_slice(&frame.rates);
+        frame.present.copy_from_slice(&frame.rests);
+        self.see(frame, time);
+        self.accept(frame, time);
+    }
+}
+
+// Structures where closures would do: what is dispatched must be inlined.
+
+struct AllSteps<'a, V> {
+    kernel: &'a Kernel,
+    frame: &'a mut Frame<V>,
+    tables: &'a [Vec<[f64; 2]>],
+    grid: &'a Steps,
+}
+
+impl<V: Lane> NullaryFnOnce for AllSteps<'_, V> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn call(self) -> u64 {
+        self.kernel.all_steps(self.frame, self.tables, self.grid)
+    }
+}
+
+struct OneLook<'a, V> {
+    kernel: &'a Kernel,
+    frame: &'a mut Frame<V>,
+    tables: &'a [Vec<[f64; 2]>],
+    length: f64,
+}
+
+impl<V: Lane> NullaryFnOnce for OneLook<'_, V> {
+    type Output = Look;
+
+    #[inline(always)]
+    fn call(self) -> Look {
+        let end = self.frame.time + self.length;
+        self.kernel.look(self.frame, self.tables, self.length, end)
+    }
+}
+
+/// Steps of a grid.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Steps {
+    /// Where the grid begins.
+    pub begin: f64,
+    pub grid: Grid,
+    /// Index of the instant at which the first of them ends.
+    pub first: u64,
+    pub count: u64,
+}
+
+impl Steps {
+    /// When a step ends.
+    #[inline(always)]
+    pub fn end_of(&self, step: u64) -> f64 {
+        self.begin + self.grid.time(self.first + step)
+    }
+
+    /// Those after some of them.
+    pub fn after(self, gone: u64) -> Steps {
+        Steps { first: self.first + gone, count: self.count - gone, ..self }
+    }
+
+    /// How many are left up to the next whose number is a multiple of something.
+    pub fn up_to_multiple_of(&self, number: u64) -> u64 {
+        number - (self.first - 1) % number
+    }
+
+    /// How many end at a time or before it.
+    pub fn until(&self, time: f64) -> u64 {
+        if time == f64::INFINITY {
+            return self.count;
+        }
+        (self.grid.steps_in((time - self.begin).max(0.0)) + 1).saturating_sub(self.first).min(self.count)
+    }
+
+    /// How many end earlier than a time by some room.
+    pub fn before(&self, time: f64, room: f64) -> u64 {
+        let some = self.until(time);
+        if some > 0 && self.end_of(some - 1) >= time - room { some - 1 } else { some }
+    }
+}
