@@ -183,7 +183,7 @@ fn response_told(response: &Response, analysis: &Analysis<'_>) -> String {
             next = point.frequency * 10f64.powf(1.0 / PER_DECADE) * (1.0 - 1e-9);
         }
     }
-    format!("\n{} from {}\n{}\n", response.output, response.input, table.text())
+    format!("\n{}\n{}\n", response.title(), table.text())
 }
 
 fn number(value: f64) -> String {
@@ -241,6 +241,7 @@ fn response_json(response: &Response) -> Value {
     json!({
         "from": response.input,
         "to": response.output,
+        "by": response.by,
         "unit": response.unit,
         "columns": ["frequency in Hz", "ratio", "phase in rad"],
         "points": response.points.iter().map(point).collect::<Value>(),

@@ -23,13 +23,17 @@ pub(super) struct Arguments {
     /// Run for so many problem seconds first, and linearise there (without it: in initial condition)
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value = "0", hide_default_value = true, value_parser = instant)]
     at: f64,
-    /// Frequency response from this drive
-    #[arg(long, value_name = "DRIVE", requires = "to")]
+    /// Frequency response from this drive, or from this signal or element that a drive moves
+    #[arg(long, value_name = "DRIVE|SIGNAL", requires = "to")]
     from: Option<String>,
     /// ... to this signal, drive or element
     #[arg(long, value_name = "SIGNAL", requires = "from")]
     to: Option<String>,
-    /// The frequencies of the response, in Hz (without it: from a tenth of the slowest root to ten times the fastest)
+    /// The drive that moves both (without it: --from itself, or the only drive there is)
+    #[arg(long, value_name = "DRIVE", requires = "from")]
+    by: Option<String>,
+    /// The frequencies of the response, in Hz (without it: whole decades, from at least a tenth of the slowest root or
+    /// delay to ten times the fastest; without these 0.01:100)
     #[arg(long, value_name = "LOW:HIGH", requires = "from", allow_hyphen_values = true, value_parser = band)]
     hz: Option<Band>,
     /// Draw the response as a Bode plot; SVG or PNG by the name of the file
@@ -102,7 +106,10 @@ impl Arguments {
 
     fn response(&self, model: &StateSpace, roots: &[Root]) -> Result<Option<Response>, LinearError> {
         let Some((from, to)) = self.from.as_ref().zip(self.to.as_ref()) else { return Ok(None) };
-        let transfer = Transfer::new(model, from, to)?;
+        let transfer = match self.by.as_deref().or_else(|| only_drive(model, from)) {
+            Some(drive) => Transfer::between(model, drive, from, to)?,
+            None => Transfer::new(model, from, to)?,
+        };
         let band = self.hz.unwrap_or_else(|| Band::around(roots, model));
         transfer.over(band).map(Some)
     }
@@ -131,12 +138,23 @@ impl Arguments {
     }
 }
 
+/// The drive that moves what is no drive itself, where there is no other: all drives of the model are one, under several
+/// names, or do the same.
+fn only_drive<'m>(model: &'m StateSpace, from: &str) -> Option<&'m str> {
+    let first = model.inputs.first().filter(|_| model.inputs.iter().all(|port| port.name != from))?;
+    let drives = model.matrix.columns(model.states.len() + model.delays.len(), model.inputs.len());
+    drives.column_iter().all(|column| column == drives.column(0)).then_some(&first.name)
+}
+
 /// What the error says: names and frequencies come from the command line.
 fn refused(error: &LinearError) -> Failure {
     match error {
         LinearError::NoDerivative { .. }
         | LinearError::NoEigenvalues { .. }
         | LinearError::NotMoved { .. } => Failure::data(error.to_string()),
+        LinearError::NotADrive { .. } => {
+            Failure::usage(format!("{error}; between two signals, --by names the drive that moves them"))
+        }
         _ => Failure::usage(error.to_string()),
     }
 }

@@ -16,7 +16,7 @@ pub fn bode(response: &Response, roots: &[Root], note: Option<String>) -> [Pictu
     let marks = marks(response, roots);
     // Labels stand below only, where the curve is on its way down.
     let bare: Vec<Mark> = marks.iter().map(|mark| Mark { label: String::new(), ..mark.clone() }).collect();
-    let title = format!("Bode plot: {output} from {input}");
+    let title = format!("Bode plot: {}", response.title());
     [
         picture(response, title, magnitude, decibels, note, &bare),
         picture(response, String::new(), phase, degrees, None, &marks),

@@ -1,7 +1,7 @@
 //! Eigenvalues of a real matrix, block by block, with what rounding splits put together again.
 
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
-use nalgebra::{Complex, DMatrix, DVector, Schur};
+use nalgebra::{Complex, DMatrix, DVector, Matrix2, Schur, Vector2};
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::DiGraph;
 
@@ -48,7 +48,8 @@ fn of_block(mut matrix: DMatrix<f64>) -> Option<Vec<Counted>> {
     let schur = Schur::try_new(matrix.clone(), f64::EPSILON, most)
         .or_else(|| Schur::try_new(reflected(&matrix), f64::EPSILON, most))?;
     let (_, triangle) = schur.unpack();
-    Some(merged(&matrix, diagonal(&triangle)))
+    let triangle = upper(&triangle);
+    Some(merged(&triangle, triangle.diagonal().iter().map(|one| (*one, 1)).collect()))
 }
 
 /// The same matrix in mirrored coordinates. Equal gains around a ring can make the iteration run in circles, which
@@ -59,24 +60,27 @@ fn reflected(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     &mirror * matrix * &mirror
 }
 
-/// The eigenvalues of the blocks of one and two rows along the diagonal.
-fn diagonal(triangle: &DMatrix<f64>) -> Vec<Complex<f64>> {
-    let (mut row, mut all) = (0, Vec::new());
-    while row < triangle.nrows() {
-        let is_pair = row + 1 < triangle.nrows() && triangle[(row + 1, row)] != 0.0;
-        if is_pair {
-            let (a, b) = (triangle[(row, row)], triangle[(row, row + 1)]);
-            let (c, d) = (triangle[(row + 1, row)], triangle[(row + 1, row + 1)]);
-            let root = Complex::from(0.25 * (a - d) * (a - d) + b * c).sqrt();
-            let middle = Complex::from(0.5 * (a + d));
-            all.extend([middle + root, middle - root]);
-            row += 2;
-        } else {
-            all.push(Complex::from(triangle[(row, row)]));
-            row += 1;
-        }
+/// A triangle with blocks of two rows along its diagonal, turned until it has none: eigenvalues stand on the diagonal,
+/// those of a block conjugate to each other.
+fn upper(triangle: &DMatrix<f64>) -> DMatrix<Complex<f64>> {
+    let mut turned = triangle.map(Complex::from);
+    for row in (1..triangle.nrows()).filter(|row| triangle[(*row, row - 1)] != 0.0) {
+        let (a, b) = (triangle[(row - 1, row - 1)], triangle[(row - 1, row)]);
+        let (c, d) = (triangle[(row, row - 1)], triangle[(row, row)]);
+        let root = Complex::from(0.25 * (a - d) * (a - d) + b * c).sqrt();
+        let (middle, slant) = (Complex::from(0.5 * (a + d)), Complex::from(0.5 * (a - d)));
+        // The longer of the eigenvector's two forms is (slant + root, c) with the root that does not cancel.
+        let root = if (slant.conj() * root).re < 0.0 { -root } else { root };
+        let vector = Vector2::new(slant + root, Complex::from(c)).normalize();
+        let turn = Matrix2::new(vector.x, -vector.y.conj(), vector.y, vector.x.conj());
+        let columns = turned.columns(row - 1, 2) * turn;
+        turned.columns_mut(row - 1, 2).copy_from(&columns);
+        let rows = turn.adjoint() * turned.rows(row - 1, 2);
+        turned.rows_mut(row - 1, 2).copy_from(&rows);
+        (turned[(row - 1, row - 1)], turned[(row, row)]) = (middle + root, middle - root);
+        turned[(row, row - 1)] = Complex::from(0.0);
     }
-    all
+    turned
 }
 
 /// What a rounded matrix can be off, as a share of its size and of its rows.
@@ -85,32 +89,63 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 const SPLIT: f64 = 1e-2;
 
 /// Eigenvalues of which the mean is an eigenvalue to rounding are one that stands there several times: rounding
-/// splits it by the root of their number of itself, and leaves their mean alone. Parts smaller than rounding are 0.
-fn merged(matrix: &DMatrix<f64>, mut all: Vec<Complex<f64>>) -> Vec<Counted> {
-    let size = matrix.norm();
-    let rounding = ROUNDING * matrix.nrows() as f64 * size;
-    let is_one = |one: Complex<f64>, other: Complex<f64>| {
-        (one - other).norm() <= SPLIT * size && distance(matrix, 0.5 * (one + other)) <= rounding
-    };
-    let mut found = Vec::new();
-    while let Some(first) = all.pop() {
-        let mut group = vec![first];
-        let mut next = 0;
-        while next < group.len() {
-            let (near, far) = all.into_iter().partition(|other| is_one(group[next], *other));
-            group.extend::<Vec<_>>(near);
-            (all, next) = (far, next + 1);
+/// splits it by the root of their number of itself, and leaves their mean alone. Neighbours are put together until none
+/// are one any more. Parts smaller than rounding are 0.
+fn merged(triangle: &DMatrix<Complex<f64>>, mut all: Vec<Counted>) -> Vec<Counted> {
+    let size = triangle.norm();
+    let rounding = ROUNDING * triangle.nrows() as f64 * size;
+    let (mut at, mut apart) = (0, 0);
+    while apart < all.len() {
+        let one = all[at];
+        let neighbour = nearest(&all, at).filter(|other| {
+            (one.0 - all[*other].0).norm() <= SPLIT * size
+                && has_eigenvalue(triangle, together(one, all[*other]).0, rounding)
+        });
+        match neighbour {
+            Some(other) => {
+                all[at] = together(one, all[other]);
+                all.remove(other);
+                (at, apart) = (at - usize::from(other < at), 0);
+            }
+            None => (at, apart) = ((at + 1) % all.len(), apart + 1),
         }
-        let mean = group.iter().sum::<Complex<f64>>() / group.len() as f64;
-        let clean = |part: f64| if part.abs() <= rounding { 0.0 } else { part };
-        found.push((Complex::new(clean(mean.re), clean(mean.im)), group.len()));
     }
-    found
+    let clean = |part: f64| if part.abs() <= rounding { 0.0 } else { part };
+    all.into_iter().map(|(one, times)| (Complex::new(clean(one.re), clean(one.im)), times)).collect()
 }
 
-/// How far the matrix is from one that has this eigenvalue: its least singular value without it.
-fn distance(matrix: &DMatrix<f64>, eigenvalue: Complex<f64>) -> f64 {
-    let shifted = matrix.map(Complex::from)
-        - DMatrix::from_diagonal_element(matrix.nrows(), matrix.nrows(), eigenvalue);
-    shifted.singular_values().min()
+/// The one that lies nearest to that of an index.
+fn nearest(all: &[Counted], at: usize) -> Option<usize> {
+    let distance = |other: usize| (all[at].0 - all[other].0).norm();
+    let others = (0..all.len()).filter(|other| *other != at);
+    others.min_by(|one, other| distance(*one).total_cmp(&distance(*other)))
+}
+
+/// Two as one that is there as often as both: their mean.
+fn together(one: Counted, other: Counted) -> Counted {
+    let times = one.1 + other.1;
+    ((one.0 * one.1 as f64 + other.0 * other.1 as f64) / times as f64, times)
+}
+
+/// Rounds of the iteration: the first finds the scale, the others the rest of it.
+const ROUNDS: usize = 4;
+
+/// Whether a triangle is as near as `rounding` to one with this eigenvalue: its least singular value without it is, by
+/// inverse iteration, no larger.
+fn has_eigenvalue(triangle: &DMatrix<Complex<f64>>, eigenvalue: Complex<f64>, rounding: f64) -> bool {
+    let mut shifted = triangle.clone();
+    (0..shifted.nrows()).for_each(|row| shifted[(row, row)] -= eigenvalue);
+    let mut vector = DVector::from_element(shifted.nrows(), Complex::from(1.0)).normalize();
+    for _ in 0..ROUNDS {
+        let back = shifted.ad_solve_upper_triangular(&vector);
+        // A zero on the diagonal: it is an eigenvalue.
+        let Some(forth) = back.and_then(|back| shifted.solve_upper_triangular(&back)) else { return true };
+        let growth = forth.norm();
+        let is_apart = growth.sqrt() * rounding < 1.0;
+        if !is_apart {
+            return true;
+        }
+        vector = forth / Complex::from(growth);
+    }
+    false
 }

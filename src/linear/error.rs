@@ -1,3 +1,5 @@
+use crate::patch::told;
+
 /// Why a linear analysis has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LinearError {
@@ -44,7 +46,10 @@ pub enum LinearError {
         output: String,
     },
     /// Frequencies that are none.
-    #[error("frequencies go from one above 0 Hz to a higher one, not from {low} to {high} Hz")]
+    #[error(
+        "frequencies go from one to a higher one, within 1e-100 ... 1e100 Hz, not from {} to {} Hz",
+        told(*low), told(*high)
+    )]
     NotABand {
         /// Lower end in Hz.
         low: f64,

@@ -1,4 +1,4 @@
-//! Frequency response from a drive to a signal.
+//! Frequency response from a drive to a signal, or between two signals that a drive moves.
 
 use std::f64::consts::{PI, TAU};
 use std::io::Write;
@@ -15,32 +15,61 @@ use crate::program::{Port, StateSpace};
 pub struct Transfer<'m> {
     model: &'m StateSpace,
     input: usize,
-    output: usize,
     /// The part of the model that is fed back, column by column through states and delay lines.
     inner: DMatrix<Complex<f64>>,
-    /// What the drive does to states and delay lines, and what these do to the signal.
+    /// What the drive does to states and delay lines.
     from_drive: DVector<Complex<f64>>,
-    to_signal: DVector<Complex<f64>>,
+    output: Outlet<'m>,
+    /// The signal that the other is held against, where it is not the drive.
+    against: Option<Outlet<'m>>,
+}
+
+/// A signal, with what states, delay lines and the drive do to it.
+#[derive(Debug, Clone)]
+struct Outlet<'m> {
+    port: &'m Port,
+    by_inner: DVector<Complex<f64>>,
     direct: f64,
+}
+
+impl<'m> Outlet<'m> {
+    fn new(model: &'m StateSpace, input: usize, signal: &str) -> Result<Self, LinearError> {
+        let output = model.outputs.iter().position(|port| port.name == signal).ok_or_else(|| {
+            LinearError::UnknownSignal {
+                name: signal.to_owned(),
+                hint: hint(signal, &model.outputs, "no signal"),
+            }
+        })?;
+        let inner = model.states.len() + model.delays.len();
+        let row = model.matrix.row(inner + output);
+        let by_inner = DVector::from_fn(inner, |column, _| Complex::from(row[column]));
+        Ok(Outlet { port: &model.outputs[output], by_inner, direct: row[inner + input] })
+    }
+
+    fn swing(&self, inner: &DVector<Complex<f64>>) -> Complex<f64> {
+        self.by_inner.dot(inner) + self.direct
+    }
 }
 
 /// A stretch of frequencies, in Hz.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// The lowest, above 0.
+    /// The lowest, 1e-100 or above.
     pub low: f64,
-    /// The highest, above the lowest.
+    /// The highest, above the lowest, 1e100 or below.
     pub high: f64,
 }
 
 /// How a signal follows a drive that swings, over a band of frequencies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
-    /// Name of the drive, or of the signal that reads it.
+    /// Name of the drive, of the signal that reads it, or of the signal that the other is held against.
     pub input: String,
+    /// Name of the drive that moves both, where that is another.
+    pub by: Option<String>,
     /// Name of the signal.
     pub output: String,
-    /// What the ratio is in: the signal's unit per the drive's, empty where these are the same.
+    /// What the ratio is in: the signal's unit per the input's, empty where these are the same.
     pub unit: String,
     /// By rising frequency.
     pub points: Vec<ResponsePoint>,
@@ -51,9 +80,10 @@ pub struct Response {
 pub struct ResponsePoint {
     /// In Hz.
     pub frequency: f64,
-    /// Amplitude of the signal over that of the drive, in the response's unit; not finite at an undamped resonance.
+    /// Amplitude of the signal over that of the input, in the response's unit; not finite at an undamped resonance,
+    /// or where the input stands still.
     pub ratio: f64,
-    /// Lead of the signal on the drive in radians, going on without jumps from the first point, which lies within
+    /// Lead of the signal on the input in radians, going on without jumps from the first point, which lies within
     /// -pi ... pi. Across an undamped resonance it falls by pi.
     pub phase: f64,
 }
@@ -66,6 +96,12 @@ impl ResponsePoint {
 }
 
 impl Response {
+    /// What it is of, in words.
+    pub fn title(&self) -> String {
+        let by = self.by.as_ref().map(|drive| format!(", moved by {drive}")).unwrap_or_default();
+        format!("{} from {}{by}", self.output, self.input)
+    }
+
     /// Writes a table: units in `#` comment lines, then the columns `frequency` in Hz, `ratio`, `decibels` and `phase`
     /// in degrees. Numbers read back to the same bits.
     ///
@@ -73,11 +109,7 @@ impl Response {
     /// When the writer refuses.
     pub fn write_csv(&self, mut to: impl Write) -> std::io::Result<()> {
         let unit = if self.unit.is_empty() { "1" } else { &self.unit };
-        writeln!(
-            to,
-            "# frequency: Hz\n# ratio, {} from {}: {unit}\n# decibels: dB\n# phase: deg",
-            self.output, self.input
-        )?;
+        writeln!(to, "# frequency: Hz\n# ratio, {}: {unit}\n# decibels: dB\n# phase: deg", self.title())?;
         writeln!(to, "frequency,ratio,decibels,phase")?;
         for point in &self.points {
             let ResponsePoint { frequency, ratio, phase } = point;
@@ -97,29 +129,40 @@ impl<'m> Transfer<'m> {
         let input = model.inputs.iter().position(|port| port.name == drive).ok_or_else(|| {
             LinearError::NotADrive { name: drive.to_owned(), hint: hint(drive, &model.inputs, "no drive") }
         })?;
-        let output = model.outputs.iter().position(|port| port.name == signal).ok_or_else(|| {
-            LinearError::UnknownSignal {
-                name: signal.to_owned(),
-                hint: hint(signal, &model.outputs, "no signal"),
-            }
-        })?;
+        let output = Outlet::new(model, input, signal)?;
         check(model)?;
         let inner = model.states.len() + model.delays.len();
         let matrix = model.matrix.map(Complex::from);
         Ok(Transfer {
             model,
             input,
-            output,
             inner: matrix.view((0, 0), (inner, inner)).into_owned(),
             from_drive: matrix.view((0, inner + input), (inner, 1)).column(0).into_owned(),
-            to_signal: matrix.view((inner + output, 0), (1, inner)).row(0).transpose(),
-            direct: model.matrix[(inner + output, inner + input)],
+            output,
+            against: None,
         })
     }
 
-    /// The complex ratio at s = j omega, in volts per volt: `to_signal (P - inner)^-1 from_drive + direct`, with s for
-    /// every state and e^(s T) for every delay line on the diagonal of P. Exact for delays, also within loops.
-    /// Not finite at an undamped resonance. `omega` in rad/s, above 0.
+    /// The way between two signals that the drive moves, by names as for [`Transfer::new`]: the quotient of the ways to
+    /// the second and to the first.
+    ///
+    /// # Errors
+    /// When one of them does not exist, or a derivative is not a number.
+    pub fn between(
+        model: &'m StateSpace,
+        drive: &str,
+        first: &str,
+        second: &str,
+    ) -> Result<Self, LinearError> {
+        let to_second = Transfer::new(model, drive, second)?;
+        let against = Some(Outlet::new(model, to_second.input, first)?);
+        Ok(Transfer { against, ..to_second })
+    }
+
+    /// The complex ratio at s = j omega, in volts per volt: `by_inner (P - inner)^-1 from_drive + direct`, with s for
+    /// every state and e^(s T) for every delay line on the diagonal of P; between two signals the quotient of theirs.
+    /// Exact for delays, also within loops. Not finite at an undamped resonance, or where the first signal stands still.
+    /// `omega` in rad/s, above 0.
     pub fn volts_per_volt(&self, omega: f64) -> Complex<f64> {
         let mut system = -self.inner.clone();
         let states = self.model.states.iter().map(|_| Complex::new(0.0, omega));
@@ -127,19 +170,21 @@ impl<'m> Transfer<'m> {
         for (index, term) in states.chain(delays).enumerate() {
             system[(index, index)] += term;
         }
-        match system.lu().solve(&self.from_drive) {
-            Some(swing) => self.to_signal.dot(&swing) + self.direct,
-            None => Complex::new(f64::INFINITY, 0.0),
-        }
+        let Some(inner) = system.lu().solve(&self.from_drive) else {
+            return Complex::new(f64::INFINITY, 0.0);
+        };
+        let swing = self.output.swing(&inner);
+        self.against.as_ref().map_or(swing, |against| swing / against.swing(&inner))
     }
 
     /// The response over a band: both ends, 60 points a decade, natural frequencies, and more where it turns quickly.
     ///
     /// # Errors
-    /// When the band is none, delays turn the phase too often within it, or the signal does not follow the drive.
+    /// When the band is none, delays turn the phase too often within it, or a signal does not follow the drive.
     pub fn over(&self, band: Band) -> Result<Response, LinearError> {
         band.check()?;
-        let (from, to) = (&self.model.inputs[self.input], &self.model.outputs[self.output]);
+        let drive = &self.model.inputs[self.input];
+        let (from, to) = (self.against.as_ref().map_or(drive, |against| against.port), self.output.port);
         let factor = to.per_volt / from.per_volt;
         let mut points = Vec::new();
         let mut phase = Unwrapped::default();
@@ -147,12 +192,19 @@ impl<'m> Transfer<'m> {
             let ratio = ratio * factor;
             points.push(ResponsePoint { frequency, ratio: ratio.norm(), phase: phase.next(ratio) });
         }
+        let stands = |still: &Port| {
+            Err(LinearError::NotMoved { input: drive.name.clone(), output: still.name.clone() })
+        };
+        if self.against.is_some() && points.iter().all(|point| !point.ratio.is_finite()) {
+            return stands(from);
+        }
         if points.iter().all(|point| point.ratio == 0.0) {
-            return Err(LinearError::NotMoved { input: from.name.clone(), output: to.name.clone() });
+            return stands(to);
         }
         let unit =
             if from.unit == to.unit { String::new() } else { format!("{} per {}", to.unit, from.unit) };
-        Ok(Response { input: from.name.clone(), output: to.name.clone(), unit, points })
+        let by = (from.name != drive.name).then(|| drive.name.clone());
+        Ok(Response { input: from.name.clone(), by, output: to.name.clone(), unit, points })
     }
 
     /// The ratios at frequencies, in Hz, so near to each other that a curve can be drawn through them.
@@ -217,6 +269,9 @@ impl<'m> Transfer<'m> {
 }
 
 const PER_DECADE: f64 = 60.0;
+/// Frequencies, in Hz, of which the squares are numbers, by which complex numbers are divided.
+const LOWEST: f64 = 1e-100;
+const HIGHEST: f64 = 1e100;
 /// The phase of delays may turn so often within a band.
 const MOST_TURNS: f64 = 1e4;
 /// A stretch between two frequencies of the grid is halved so often at most: to 1e-5 of a frequency.
@@ -266,10 +321,10 @@ impl Band {
     /// Whether there are frequencies in it.
     ///
     /// # Errors
-    /// When it does not go from a frequency above 0 to a higher one.
+    /// When it does not go from a frequency to a higher one, both within 1e-100 ... 1e100 Hz.
     pub fn check(self) -> Result<(), LinearError> {
         let Band { low, high } = self;
-        let is_band = low > 0.0 && low < high && high.is_finite();
+        let is_band = LOWEST <= low && low < high && high <= HIGHEST;
         if is_band { Ok(()) } else { Err(LinearError::NotABand { low, high }) }
     }
 

@@ -95,8 +95,8 @@ pub fn roots(model: &StateSpace) -> Result<Vec<Root>, LinearError> {
     Ok(roots)
 }
 
-/// The free state that moves fastest, where the point is no equilibrium: where a rate is above 1e-9 volts per second,
-/// or above what 1e-9 V in every state make of it.
+/// The free state that moves fastest, where the point is no equilibrium: where a rate is above what 1e-9 V in every
+/// state make of it.
 pub fn fastest(model: &StateSpace) -> Option<&StateTerm> {
     let is_moving = |(row, state): &(usize, &StateTerm)| {
         let slopes = model
@@ -106,7 +106,7 @@ pub fn fastest(model: &StateSpace) -> Option<&StateTerm> {
             .iter()
             .map(|slope| slope.abs())
             .sum::<f64>();
-        state.rate.abs() > EQUILIBRIUM * slopes.max(1.0)
+        state.rate.abs() > EQUILIBRIUM * slopes
     };
     let moving = model.states.iter().enumerate().filter(is_moving).map(|(_, state)| state);
     moving.max_by(|one, other| one.rate.abs().total_cmp(&other.rate.abs()))

@@ -28,8 +28,8 @@ pub struct StateSpace {
     pub kinks: Vec<String>,
     /// Drives that change with time here.
     pub moving: Vec<String>,
-    /// All derivatives, at a kink those towards higher voltages, and at a limit those away from it: rows of rates (per second), of what goes into delay lines, of signals; columns of states, of
-    /// what comes out of delay lines, of drives.
+    /// All derivatives, at a kink those towards higher voltages, and at a limit those away from it: rows of rates (per
+    /// second), of what goes into delay lines, of signals; columns of states, of what comes out of delay lines, of drives.
     pub matrix: DMatrix<f64>,
 }
 

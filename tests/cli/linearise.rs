@@ -60,6 +60,20 @@ fn a_response_is_printed_drawn_and_written() {
 }
 
 #[test]
+fn a_drive_that_moves_two_signals_is_named_where_there_are_several() {
+    let oscillator = "patches/lessons/driven-oscillator.json";
+    let told = out(&patchcord(&["linearise", oscillator, "--from", "x", "--to", "v"]));
+    assert!(told.contains("\nv from x, moved by push\n"), "{told}");
+    let between = ["linearise", FIG_8_04, "--from", "spring_force", "--to", "v_o"];
+    let refused = patchcord(&between);
+    assert_eq!(code(&refused), 2);
+    let asked = "spring_force is no drive; known here: v_i, x_i; between two signals, --by names the drive";
+    assert!(errors(&refused).contains(asked), "{}", errors(&refused));
+    let told = json(&patchcord(&[&between[..], &["--by", "x_i", "--json"]].concat()));
+    assert_eq!((&told["response"]["by"], &told["response"]["from"]), (&"x_i".into(), &"spring_force".into()));
+}
+
+#[test]
 fn json_is_one_document() {
     let told = json(&patchcord(&["linearise", FIG_8_04, "--from", "v_i", "--to", "v_o", "--json"]));
     let number = |value: &Value| value.as_f64().unwrap();
@@ -127,6 +141,11 @@ fn what_cannot_be_asked_ends_with_2() {
         (FIG_8_04, "--from v_i --to v_o --hz 5", "write LOW:HIGH"),
         (FIG_8_04, "--from v_i --to v_o --hz 5:x", "\"x\" is not a number of Hz"),
         (FIG_8_04, "--from v_i --to v_o --hz 5:1", "not from 5 to 1 Hz"),
+        (
+            FIG_8_04,
+            "--from v_i --to v_o --hz 1e-300:1e300",
+            "within 1e-100 ... 1e100 Hz, not from 1e-300 to 1e300",
+        ),
         (FIG_8_04, "--from v_i --to v_o --hz -5:1", "not from -5 to 1 Hz"),
         (FIG_8_04, "--from v_i --to v_o --plot bode.gif", ".svg and .png"),
         (&copy, &format!("--from v_i --to v_o --plot {copy}"), "the patch itself"),

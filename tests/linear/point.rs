@@ -18,6 +18,19 @@ fn an_equilibrium_is_one_and_what_moves_is_named() {
 }
 
 #[test]
+fn what_moves_slowly_moves() {
+    // 5e-10 V/s towards -50 V, with a time constant of 3000 years; and without any.
+    let slow = |inputs: [&str; 2]| {
+        let pot = element("pot").cord("in", "+100").set("setting", 0.5);
+        let integrator = element("integrator").cords("x0.01", inputs);
+        model(&built(volts("slow").time_scale(1e-9).element("P", pot).element("A", integrator)))
+    };
+    assert_eq!(fastest(&slow(["P", "A"])).unwrap().rate, -5e-10);
+    assert_eq!(fastest(&slow(["P", "ground"])).unwrap().rate, -5e-10);
+    assert!(fastest(&slow(["A", "ground"])).is_none());
+}
+
+#[test]
 fn a_settled_run_comes_to_an_equilibrium() {
     let program = built(volts("settles").element("L", element("lag").cords("x1", ["+100"]).set("time", 0.1)));
     let at = |seconds| ran(&program, 1e-3, seconds).state_space();

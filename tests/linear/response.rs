@@ -114,6 +114,32 @@ fn an_undamped_resonance_turns_the_phase_down_by_half_a_turn() {
 }
 
 #[test]
+fn between_two_signals_stands_what_lies_between_them() {
+    // M v' = spring force - f v, whichever drive swings: the spring does not come in.
+    let (m, f) = (454.0, 17.86e3);
+    let program = shipped("thesis/fig-8-04", &[]);
+    let model = model(&program);
+    for drive in ["v_i", "x_i"] {
+        let transfer = Transfer::between(&model, drive, "spring_force", "v_o").unwrap();
+        let found = transfer.over(Band { low: 0.1, high: 1000.0 }).unwrap();
+        assert_eq!(found.unit, "m/s per N");
+        assert_eq!(found.title(), format!("v_o from spring_force, moved by {drive}"));
+        for point in &found.points {
+            let swing = m * TAU * point.frequency;
+            assert!(near(point.ratio, 1.0 / swing.hypot(f), 1e-10), "{point:?}");
+            assert!(near(point.phase, -swing.atan2(f), 1e-10), "{point:?}");
+        }
+    }
+    let still = Transfer::between(&model, "v_i", "x_i", "v_o").unwrap().over(Band { low: 1.0, high: 10.0 });
+    assert_eq!(
+        still.unwrap_err().to_string(),
+        "x_i does not follow v_i here: a small change of v_i does nothing to it"
+    );
+    let unknown = Transfer::between(&model, "v_i", "spring_forse", "v_o").unwrap_err().to_string();
+    assert_eq!(unknown, "there is no signal spring_forse to read; did you mean \"spring_force\"?");
+}
+
+#[test]
 fn a_drive_reads_itself_as_it_is() {
     let found = response(&built(lag(0.1)), "u", "u", [1.0, 10.0]);
     assert!(found.points.iter().all(|point| (point.ratio, point.phase) == (1.0, 0.0)));
@@ -133,11 +159,15 @@ fn what_cannot_be_asked_is_refused() {
     let unmoved = unmoved.over(band);
     assert!(matches!(unmoved, Err(LinearError::NotMoved { .. })), "{unmoved:?}");
     let moved = Transfer::new(&model, "v_i", "v_o").unwrap();
+    let infinite = f64::INFINITY;
+    let upside_down = [(0.0, 1.0), (-1.0, 1.0), (2.0, 2.0), (2.0, 1.0)];
     for (low, high) in
-        [(0.0, 1.0), (-1.0, 1.0), (2.0, 2.0), (2.0, 1.0), (1.0, f64::INFINITY), (f64::NAN, 1.0)]
+        upside_down.into_iter().chain([(1.0, infinite), (f64::NAN, 1.0), (1e-300, 1e300), (1.0, 1e101)])
     {
         assert!(matches!(moved.over(Band { low, high }), Err(LinearError::NotABand { .. })), "{low} {high}");
     }
+    let widest = moved.over(Band { low: 1e-100, high: 1e100 }).unwrap().points;
+    assert!(widest.len() > 12_000 && widest.iter().all(|point| point.ratio.is_finite()));
 }
 
 #[test]

@@ -181,6 +181,26 @@ fn roots_that_are_only_near_stay_apart() {
 }
 
 #[test]
+fn a_mean_that_is_another_root_joins_nothing() {
+    // A rod of cells: -2 + 2 cos(k pi / 102) in 1/s, the middle ones evenly spaced.
+    let cells = 101;
+    let mut builder = volts("rod");
+    for n in 1..=cells {
+        let mut cell = element("integrator").cords("x2", [format!("A{n}").as_str()]);
+        for neighbour in [n - 1, n + 1].into_iter().filter(|other| (1..=cells).contains(other)) {
+            cell = cell.cords("x1", [format!("A{neighbour}").as_str()]);
+        }
+        builder = builder.element(&format!("A{n}"), cell);
+    }
+    let found = roots_of(&built(builder));
+    assert_eq!(found.len(), cells);
+    for (mode, root) in found.iter().enumerate() {
+        let wanted = -4.0 * (0.5 * (mode + 1) as f64 * PI / (cells + 1) as f64).sin().powi(2);
+        assert!((root.real - wanted).abs() < 1e-12 && root.times == 1, "{root:?} {wanted}");
+    }
+}
+
+#[test]
 fn a_ring_of_equal_integrators_has_roots_on_a_circle() {
     for count in 2..=9usize {
         let mut builder = volts("ring");
