@@ -1,7 +1,7 @@
 //! `patchcord sweep`
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::thread;
 
 use clap::Args;
@@ -14,7 +14,7 @@ use super::progress::SweepProgress;
 use super::times::{TimeArguments, refused, times_json};
 use super::{say, say_json, tell};
 use patchcord::circuit::Circuit;
-use patchcord::instruments::{Measure, measures};
+use patchcord::instruments::{Column, Measure, measures};
 use patchcord::output::destination;
 use patchcord::program::Program;
 use patchcord::sweep::{Axis, JournalError, Plan, PlanError, Sweep, SweepError, Tally};
@@ -71,7 +71,7 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     prepare(None, [out].into_iter())?;
     let tally = sweep.append_to(out, arguments.threads(), &mut progress).map_err(not_gone_on)?;
     if arguments.patch.json {
-        return say_json(&sweep_document(&circuit, &sweep, tally, out.display().to_string()));
+        return say_json(&arguments.document(&circuit, &sweep, tally, out));
     }
     say(&format!("{}{}", tally_told(tally), written([out].into_iter())))
 }
@@ -121,6 +121,25 @@ impl Arguments {
         }
     }
 
+    fn document(&self, circuit: &Circuit, sweep: &Sweep, tally: Tally, out: &Path) -> Value {
+        let column = |column: Column| json!({"name": column.name, "unit": column.unit});
+        let more = json!({
+            "run": times_json(sweep.settings()),
+            "sweep": {
+                "vary": sweep.plan().texts(),
+                "columns": sweep.columns().into_iter().map(column).collect::<Value>(),
+                "runs": sweep.plan().runs(),
+                "threads": self.threads(),
+                "kept": tally.kept,
+                "written": tally.written,
+                "failed": tally.failed,
+                "noted": tally.noted,
+            },
+            "files": [out.display().to_string()],
+        });
+        document(circuit, more)
+    }
+
     fn threads(&self) -> usize {
         let all = || thread::available_parallelism().map_or(1, usize::from);
         self.threads.map_or_else(all, usize::from)
@@ -161,22 +180,4 @@ fn tally_told(tally: Tally) -> String {
     };
     let Tally { failed, noted, .. } = tally;
     format!("{}{kept}: {failed} failed, {noted} with a note\n", plural(tally.written, "run"))
-}
-
-fn sweep_document(circuit: &Circuit, sweep: &Sweep, tally: Tally, file: String) -> Value {
-    let columns = sweep.columns();
-    let more = json!({
-        "run": times_json(sweep.settings()),
-        "sweep": {
-            "vary": sweep.plan().texts(),
-            "columns": columns.iter().map(|column| json!({"name": column.name, "unit": column.unit})).collect::<Value>(),
-            "runs": sweep.plan().runs(),
-            "kept": tally.kept,
-            "written": tally.written,
-            "failed": tally.failed,
-            "noted": tally.noted,
-        },
-        "files": [file],
-    });
-    document(circuit, more)
 }

@@ -84,12 +84,8 @@ impl Axis {
             _ => between(first, last, index as f64 / (count - 1) as f64),
         };
         match &self.values {
-            Values::Linear { first, last, count } => {
-                at(*first, *last, *count, |first, last, share| first + share * (last - first))
-            }
-            Values::Logarithmic { first, last, count } => at(*first, *last, *count, |first, last, share| {
-                first * Function::Power.apply(last / first, share)
-            }),
+            Values::Linear { first, last, count } => at(*first, *last, *count, evenly),
+            Values::Logarithmic { first, last, count } => at(*first, *last, *count, by_ratio),
             Values::List(values) => values[index as usize],
             Values::Rows { values, .. } => values[index as usize * self.names.len() + parameter],
         }
@@ -126,6 +122,22 @@ impl Axis {
             slots.iter().enumerate().map(move |(parameter, slot)| (slot, self.value(*point, parameter)))
         });
         all.try_for_each(|(slot, value)| in_range(slot, value))
+    }
+}
+
+/// The value at this share of the way; ends so far apart that their difference is no number are weighed one by one.
+fn evenly(first: f64, last: f64, share: f64) -> f64 {
+    let way = last - first;
+    if way.is_finite() { first + share * way } else { first * (1.0 - share) + last * share }
+}
+
+/// The same by ratios: ends of which the ratio is too large or too small for a number take their roots one by one.
+fn by_ratio(first: f64, last: f64, share: f64) -> f64 {
+    let (ratio, power) = (last / first, |base, exponent| Function::Power.apply(base, exponent));
+    if ratio.is_normal() {
+        first * power(ratio, share)
+    } else {
+        power(first, 1.0 - share) * power(last, share)
     }
 }
 
@@ -256,6 +268,20 @@ mod tests {
         assert_eq!((ratios[0], ratios[6]), (0.001, 1.0));
         assert!(ratios.windows(2).all(|pair| (pair[1] / pair[0] / 10f64.sqrt() - 1.0).abs() < 1e-12));
         assert_eq!(values("Tc=0.02:0.01:2"), [0.02, 0.01]);
+    }
+
+    #[test]
+    fn ends_may_be_as_far_apart_as_numbers_are() {
+        let values = |axis: &str| {
+            let axis = Axis::parse(axis).unwrap();
+            (0..axis.count()).map(|index| axis.value(index, 0)).collect::<Vec<_>>()
+        };
+        assert_eq!(values("k=-1e308:1e308:3"), [-1e308, 0.0, 1e308]);
+        for axis in ["k=1e300:1e-300:3:log", "k=1e-300:1e300:3:log"] {
+            assert!((values(axis)[1] - 1.0).abs() < 1e-12, "{axis}: {:?}", values(axis));
+        }
+        // As exact as the decimals are: not 1.2999999999999998.
+        assert_eq!(values("k=1:2:11")[3], 1.3);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Work done by several threads, and taken in its order.
 
 use std::collections::VecDeque;
+use std::hint::black_box;
 use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -10,7 +11,8 @@ use std::thread;
 const AHEAD: u64 = 64;
 
 /// Does the work of every index on so many threads, each with an object of its own, and gives the results to `take` in
-/// the order of the indices, on this thread. When `take` refuses one, what has begun is finished and the rest left.
+/// the order of the indices, on this thread. Where the system gives fewer threads, these do it all; where it gives none,
+/// this one. When `take` refuses a result, what has begun is finished and the rest left.
 pub(super) fn in_order<W, T: Send, E>(
     indices: Range<u64>,
     workers: Vec<W>,
@@ -21,20 +23,47 @@ where
     W: Send,
 {
     let window = AHEAD * workers.len() as u64;
-    let queue = Queue::new(indices, window);
-    thread::scope(|scope| {
-        for mut worker in workers {
-            let (queue, work) = (&queue, &work);
-            scope.spawn(move || {
-                while let Some(index) = queue.next() {
-                    queue.put(index, work(&mut worker, index));
-                }
-            });
+    let (queue, count, workers) = (Queue::new(indices.clone(), window), workers.len(), Mutex::new(workers));
+    let worker = || workers.lock().unwrap_or_else(PoisonError::into_inner).pop();
+    let run = || {
+        let _guard = StopsOnPanic(&queue);
+        let Some(mut worker) = worker() else { return };
+        while let Some(index) = queue.next() {
+            queue.put(index, work(&mut worker, index));
         }
-        let outcome = queue.drain(&mut take);
+    };
+    thread::scope(|scope| {
+        let _guard = StopsOnPanic(&queue);
+        let begins = |_: &usize| has_room() && thread::Builder::new().spawn_scoped(scope, run).is_ok();
+        let begun = (0..count).take_while(begins).count();
+        let outcome = match (begun == 0).then(worker).flatten() {
+            Some(mut worker) => indices.into_iter().try_for_each(|index| take(work(&mut worker, index))),
+            None => queue.drain(&mut take),
+        };
         queue.stop();
         outcome
     })
+}
+
+/// Bytes that stay free for the work of all threads: a process ends where it gets none.
+const ROOM: usize = 1 << 28;
+
+/// Whether one more thread leaves that much.
+fn has_room() -> bool {
+    let mut room = Vec::<u8>::new();
+    // What nobody looks at would not be asked for.
+    room.try_reserve_exact(ROOM).is_ok() && black_box(room).capacity() >= ROOM
+}
+
+/// Lets all others end where a thread breaks off: nothing waits for what does not come any more.
+struct StopsOnPanic<'q, T>(&'q Queue<T>);
+
+impl<T> Drop for StopsOnPanic<'_, T> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            self.0.stop();
+        }
+    }
 }
 
 /// What is still to be done, and what was done and not yet taken.
@@ -101,8 +130,9 @@ impl<T> Queue<T> {
 
     /// The next result in order, once it is there.
     fn first(&self) -> Option<T> {
-        let is_missing =
-            |state: &mut State<T>| state.due < self.end && !matches!(state.ready.front(), Some(Some(_)));
+        let is_missing = |state: &mut State<T>| {
+            !state.is_stopped && state.due < self.end && !matches!(state.ready.front(), Some(Some(_)))
+        };
         let mut state = self.done.wait_while(self.lock(), is_missing).unwrap_or_else(PoisonError::into_inner);
         let first = state.ready.pop_front().flatten()?;
         state.due += 1;
@@ -113,6 +143,7 @@ impl<T> Queue<T> {
     fn stop(&self) {
         self.lock().is_stopped = true;
         self.room.notify_all();
+        self.done.notify_all();
     }
 }
 
@@ -160,5 +191,22 @@ mod tests {
         assert_eq!(in_order(0..1_000_000, vec![(), ()], work, take), Err("full"));
         assert!(done.load(Ordering::SeqCst) <= 11 + 2 * AHEAD + 2);
         assert_eq!(in_order(5..5, vec![()], work, |_| Err("none is due")), Ok(()));
+    }
+
+    #[test]
+    fn a_panic_ends_the_work() {
+        let broken = |at: u64| move |index: u64| assert!(index != at, "{index}");
+        let outcomes = [(10, u64::MAX), (u64::MAX, 10)].map(|(working, taking)| {
+            let work = |(): &mut (), index| {
+                broken(working)(index);
+                index
+            };
+            let take = |index| {
+                broken(taking)(index);
+                Ok::<(), ()>(())
+            };
+            std::panic::catch_unwind(|| in_order(0..1_000_000, vec![(), ()], work, take))
+        });
+        assert!(outcomes.iter().all(Result::is_err), "{outcomes:?}");
     }
 }

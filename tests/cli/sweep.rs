@@ -23,7 +23,10 @@ fn rows_go_to_standard_output_or_into_a_file() {
     let written = swept(&["--out", &csv]);
     assert_eq!(out(&written), format!("2 runs: 0 failed, 0 with a note\nwrote {csv}\n"));
     assert_eq!(fs::read_to_string(&csv).unwrap(), lines);
+    let by_itself = json(&swept(&["--out", &path(&folder, "more.csv"), "--json"]));
+    assert_eq!(by_itself["sweep"]["threads"], std::thread::available_parallelism().unwrap().get());
     let again = json(&swept(&["--out", &csv, "--json", "--threads", "1"]));
+    assert_eq!(again["sweep"]["threads"], 1);
     let tally = ["runs", "kept", "written", "failed"].map(|key| again["sweep"][key].as_u64().unwrap());
     assert_eq!(tally, [2, 2, 0, 0]);
     assert_eq!(again["sweep"]["columns"][1], serde_json::json!({"name": "peak:v_o", "unit": "m/s"}));
