@@ -43,17 +43,23 @@ struct Rest {
     restless: Option<usize>,
 }
 
+/// States, and what is delayed, kept and drawn, before anything has happened.
+fn standing(program: &Program, coefficients: &[f64]) -> [Vec<f64>; 4] {
+    let coefficient = |index: u32| coefficients[index as usize];
+    let first = |noise: &Noise| noise.distribution.number(coefficient(noise.seed), 0);
+    [
+        program.states.iter().map(|state| coefficient(state.initial)).collect(),
+        program.delays.iter().map(|delay| coefficient(delay.initial)).collect(),
+        program.kept.iter().map(|kept| coefficient(kept.initial)).collect(),
+        program.noises.iter().map(first).collect(),
+    ]
+}
+
 /// Works out initial condition until the modes have settled.
 fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest {
-    let mut states: Vec<f64> =
-        program.states.iter().map(|state| coefficients[state.initial as usize]).collect();
+    let [mut states, delayed, kept, noise] = standing(program, coefficients);
     let mut modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
-    let delayed: Vec<f64> = program.delays.iter().map(|delay| coefficients[delay.initial as usize]).collect();
-    let kept: Vec<f64> = program.kept.iter().map(|kept| coefficients[kept.initial as usize]).collect();
-    let first = |noise: &Noise| noise.distribution.number(coefficients[noise.seed as usize], 0);
-    let noise: Vec<f64> = program.noises.iter().map(first).collect();
-    let mut registers = vec![0.0; program.body.len()];
-    let mut scratch = Scratch::new(program);
+    let (mut registers, mut scratch) = (vec![0.0; program.body.len()], Scratch::new(program));
     let mut restless = None;
     for _ in 0..MOST_SETTLING {
         let from = Sources {
@@ -77,13 +83,16 @@ fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest 
             break;
         }
     }
-    let mut faults = scratch.faults;
-    // Behind a loop that has no voltage others have none either: the first is the cause.
+    Rest { faults: causes(scratch.faults), restless }
+}
+
+/// Behind a loop that has no voltage others have none either: the first is the cause.
+fn causes(mut faults: Vec<LoopFault>) -> Vec<LoopFault> {
     let consequence = |fault: &LoopFault| fault.solutions == Solutions::NotANumber;
     if !faults.iter().all(consequence) {
         faults.retain(|fault| !consequence(fault));
     }
-    Rest { faults, restless }
+    faults
 }
 
 /// A relay that no position suits: with the members of the loop that lead from it back to it at once.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::Program;
-use super::loops::{LoopFault, solve_tear};
+use super::loops::{LoopFault, closing_slope, solve_tear};
 use super::number::{Dual, Number};
 use super::op::{Op, Sources};
 use super::piece::Piece;
@@ -54,7 +54,6 @@ impl Evaluation for f64 {
 }
 
 impl Evaluation for Dual {
-    // With y = F(y, rest): dy = (dF at fixed y) / (1 - dF/dy).
     fn close(
         program: &Program,
         index: usize,
@@ -62,33 +61,41 @@ impl Evaluation for Dual {
         registers: &mut [Dual],
         scratch: &mut Scratch,
     ) -> Dual {
-        let values = |duals: &[Dual]| duals.iter().map(|dual| dual.value).collect::<Vec<f64>>();
-        let [parameters, coefficients, states, delayed, kept, noise] =
-            [from.parameters, from.coefficients, from.states, from.delayed, from.kept, from.noise]
-                .map(values);
-        let plain = Sources {
-            parameters: &parameters,
-            coefficients: &coefficients,
-            states: &states,
-            modes: from.modes,
-            time: from.time.value,
-            tables: from.tables,
-            delayed: &delayed,
-            kept: &kept,
-            noise: &noise,
-        };
-        let solution = solve_tear(program, index, &plain, &values(registers), scratch);
-        let mut slope_with = |tear: Dual| {
-            let entry = &program.loops[index];
-            registers[entry.tear.index()] = tear;
+        let solution = solution(program, index, from, registers, scratch);
+        let entry = &program.loops[index];
+        let slope = closing_slope(|slope| {
+            registers[entry.tear.index()] = Dual::new(solution, slope);
             let body = entry.tear.index() + 1..entry.result.index() + 1;
             program.evaluate_range(body, from, registers, scratch);
             registers[entry.result.index()].slope
-        };
-        let by_the_rest = slope_with(Dual::constant(solution));
-        let by_both = slope_with(Dual::new(solution, 1.0));
-        Dual::new(solution, by_the_rest / (1.0 - (by_both - by_the_rest)))
+        });
+        Dual::new(solution, slope)
     }
+}
+
+/// The tear's value that closes a loop, from the values alone.
+fn solution(
+    program: &Program,
+    index: usize,
+    from: &Sources<'_, Dual>,
+    registers: &[Dual],
+    scratch: &mut Scratch,
+) -> f64 {
+    let values = |duals: &[Dual]| duals.iter().map(|dual| dual.value).collect::<Vec<f64>>();
+    let [parameters, coefficients, states, delayed, kept, noise] =
+        [from.parameters, from.coefficients, from.states, from.delayed, from.kept, from.noise].map(values);
+    let plain = Sources {
+        parameters: &parameters,
+        coefficients: &coefficients,
+        states: &states,
+        modes: from.modes,
+        time: from.time.value,
+        tables: from.tables,
+        delayed: &delayed,
+        kept: &kept,
+        noise: &noise,
+    };
+    solve_tear(program, index, &plain, &values(registers), scratch)
 }
 
 impl Program {

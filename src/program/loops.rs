@@ -157,6 +157,12 @@ impl<'a> Walker<'a> {
     }
 }
 
+/// The slope of a tear y = F(y, rest): dy = (dF at fixed y) / (1 - dF/dy), from what F makes of a slope of the tear.
+pub(super) fn closing_slope(mut slope_with: impl FnMut(f64) -> f64) -> f64 {
+    let (by_the_rest, by_both) = (slope_with(0.0), slope_with(1.0));
+    by_the_rest / (1.0 - (by_both - by_the_rest))
+}
+
 enum Crossing {
     Nowhere,
     At(f64),

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::loops::closing_slope;
 use super::number::{Dual, Number, segment};
 use super::op::{Op, Register, Sources};
 use super::{Program, Standing};
@@ -50,17 +51,13 @@ impl Program {
         }
     }
 
-    /// With y = F(y, rest): dy = (dF at fixed y) / (1 - dF/dy).
     fn tear_slope(&self, index: usize, beside: Beside<'_>, from: &Slopes<'_>, slopes: &mut [f64]) -> f64 {
         let entry = &self.loops[index];
-        let mut result_with = |tear: f64| {
+        closing_slope(|tear| {
             slopes[entry.tear.index()] = tear;
             self.differentiate(entry.tear.index() + 1..entry.result.index() + 1, beside, from, slopes);
             slopes[entry.result.index()]
-        };
-        let by_the_rest = result_with(0.0);
-        let by_both = result_with(1.0);
-        by_the_rest / (1.0 - (by_both - by_the_rest))
+        })
     }
 
     fn slope(&self, op: Op, beside: Beside<'_>, from: &Slopes<'_>, slopes: &[f64]) -> f64 {

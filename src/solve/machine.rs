@@ -445,6 +445,7 @@ impl<'p> Machine<'p> {
         std::mem::swap(&mut self.registers, &mut self.trial_registers);
         self.take_rates();
         self.check_voltages()?;
+        self.check_derivatives()?;
         self.watch_integrators();
         self.watch_amplifiers();
         self.remember_delays();

@@ -1,7 +1,7 @@
 //! Derivatives that there are not are told by name, and never given as numbers.
 
 use patchcord::patch::PatchBuilder;
-use patchcord::solve::{Machine, RunError};
+use patchcord::solve::{self, Machine, RunError};
 
 use crate::common::{built, element, patch, program, volts};
 
@@ -83,6 +83,50 @@ fn what_stands_at_its_mark_from_the_start_has_no_derivative() {
         .drive("u", "volt", element("step").set("height", 10).set("at", "at"))
         .element("A1", element("integrator").cords("x1", ["u"]));
     refused(late, "at", "u stands exactly where it switches in initial condition");
+}
+
+#[test]
+fn what_grows_beyond_all_numbers_has_no_derivative() {
+    // A1' = 1000 A1 + 1000 p stays at 0 for p = 0; beside it S = 1000 A1.
+    let growing = volts("growing")
+        .parameter("p", 0.0, "V", [0.0, 1.0])
+        .element("P1", element("pot").cord("in", "-100").set("setting", "p / (100 * volt)"))
+        .element("I1", element("inverter").cord("in", "A1"))
+        .element("A1", element("integrator").cords("x1000", ["I1", "P1"]))
+        .element("S1", element("summer").cords("x1000", ["A1"]));
+    let program = built(growing);
+    let grown = |length: f64| {
+        let mut machine = Machine::new(&program, 1e-4).unwrap();
+        machine.differentiate(&["p"]).unwrap();
+        machine.operate(length).map(|()| machine.sensitivity("A1", "p").unwrap())
+    };
+    let found = grown(0.1).unwrap();
+    assert!((found / 100f64.exp_m1() - 1.0).abs() < 1e-4, "{found}");
+    // e^705 is 1.5e306: a number, but not for the summer.
+    for length in [0.705, 0.8] {
+        let lost = grown(length).unwrap_err();
+        assert!(lost.to_string().contains("it is no finite number"), "{lost}");
+    }
+}
+
+#[test]
+fn a_root_at_0_is_as_steep_as_its_amplifier() {
+    // out = -A (out^2 / 100 V - u): near 0 it is A u, and so is what small differences tell.
+    let root = volts("root")
+        .parameter("p", 0.0, "1", [0.0, 1.0])
+        .element("P1", element("pot").cord("in", "-100").set("setting", "p"))
+        .element("OA", element("open-amplifier").cords("x1", ["P1", "M1"]))
+        .element(
+            "M1",
+            element("multiplier").set("mode", "sum-of-squares").cord("a", "OA").cord("b", "ground"),
+        );
+    let mut machine_program = built(root);
+    let mut machine = Machine::new(&machine_program, 1e-2).unwrap();
+    machine.differentiate(&["p"]).unwrap();
+    let slope = machine.sensitivity("OA", "p").unwrap();
+    solve::preset(&mut machine_program, &[("p", 1e-16)]).unwrap();
+    let beside = Machine::new(&machine_program, 1e-2).unwrap().voltage("OA").unwrap() / 1e-16;
+    assert!((slope / 1e8 - 1.0).abs() < 1e-9 && (beside / slope - 1.0).abs() < 1e-3, "{slope} {beside}");
 }
 
 #[test]

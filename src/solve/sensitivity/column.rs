@@ -225,8 +225,9 @@ impl Column {
         (slope * per_volt + volts * change) / probe.per_unit / unit
     }
 
-    /// Whether everything that it goes on from is a number.
-    pub fn is_finite(&self) -> bool {
-        self.states.iter().chain(&self.kept).all(|slope| slope.is_finite())
+    /// Whether everything that it goes on from, and everything that can be recorded, is a number.
+    pub fn is_finite(&self, program: &Program) -> bool {
+        let recorded = program.signals.iter().map(|probe| &self.registers[probe.register.index()]);
+        self.states.iter().chain(&self.kept).chain(recorded).all(|slope| slope.is_finite())
     }
 }

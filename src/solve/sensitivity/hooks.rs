@@ -24,7 +24,7 @@ impl Machine<'_> {
         if let Some(fault) = own.fault.take() {
             return Err(fault);
         }
-        match own.columns.iter().find(|column| !column.is_finite()) {
+        match own.columns.iter().find(|column| !column.is_finite(self.program)) {
             Some(column) => Err(RunError::NoDerivative {
                 parameter: self.program.parameters[column.parameter].name.clone(),
                 why: format!("at t = {} s it is no finite number", self.time),
