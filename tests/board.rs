@@ -3,7 +3,6 @@
 mod common;
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::sync::LazyLock;
 
 use patchcord::circuit::Circuit;
@@ -24,13 +23,8 @@ fn place(at: Point) -> (i64, i64) {
 
 /// The boards of all shipped patches, and of some with other elements.
 static BOARDS: LazyLock<Vec<(String, Circuit, Board)>> = LazyLock::new(|| {
-    let folders = ["patches/lessons", "patches/thesis", "tests/patches"];
-    let files = folders.iter().flat_map(|folder| fs::read_dir(folder).unwrap());
-    let mut files: Vec<_> = files.map(|file| file.unwrap().path()).collect();
-    files.retain(|file| file.extension().is_some_and(|ending| ending == "json"));
-    let boards = files.iter().map(|file| {
-        let patch = Patch::read(file).unwrap_or_else(|error| panic!("{error}"));
-        let circuit = common::circuit(&patch, &[]);
+    let boards = common::files::shipped().into_iter().chain(common::files::of_tests()).map(|file| {
+        let circuit = common::circuit(&common::patch_of(&file), &[]);
         let board = board(&circuit);
         (file.display().to_string(), circuit, board)
     });

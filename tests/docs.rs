@@ -1,5 +1,8 @@
 //! The documents say what is true: paths exist, patches in them run, generated files are fresh.
 
+#[path = "problems/mod.rs"]
+mod problems;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -8,6 +11,7 @@ use patchcord::elements::reference_page;
 use patchcord::patch::{Patch, json_schema};
 use patchcord::plot;
 use patchcord::program::Program;
+use patchcord::solve::Backend;
 
 fn documents() -> Vec<PathBuf> {
     let mut found = vec!["README.md".into(), "CONTRIBUTING.md".into(), "CHANGELOG.md".into()];
@@ -95,4 +99,27 @@ fn the_picture_of_all_symbols_is_fresh() {
     }
     let stored = fs::read(path).unwrap_or_default();
     assert!(stored == fresh, "{path} is stale: PATCHCORD_BLESS=1 cargo test --test docs rewrites it");
+}
+
+/// A table of docs/performance.md.
+fn measured<'p>(page: &'p str, name: &str) -> &'p str {
+    let begun =
+        page.split_once(&format!("<!-- {name} -->\n")).unwrap_or_else(|| panic!("there is no {name}")).1;
+    begun.split_once("<!-- end").unwrap().0
+}
+
+#[test]
+fn every_backend_and_every_problem_is_measured() {
+    let page = fs::read_to_string("docs/performance.md").unwrap();
+    for name in ["whole", "accuracy", "sweep", "elements", "record", "problems"] {
+        let table = measured(&page, name);
+        // What is chosen automatically is one of the others.
+        for backend in Backend::ALL.iter().filter(|backend| **backend != Backend::Automatic) {
+            assert!(table.contains(&backend.to_string()), "the table {name} does not tell of {backend}");
+        }
+    }
+    for problem in &problems::PROBLEMS {
+        let row = format!("\n| {} |", problem.name);
+        assert!(measured(&page, "problems").contains(&row), "{} is not measured", problem.name);
+    }
 }

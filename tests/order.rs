@@ -5,7 +5,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use common::{built, element, order, play, program, ran, root, slideway, voltage, volts};
+use common::{built, element, order, play, program, ran, root, slideway, source, voltage, volts};
 use patchcord::program::Program;
 use patchcord::solve::Machine;
 
@@ -148,6 +148,48 @@ fn lag_behind_an_amplifier_that_is_clipped() {
     // The answer to a ramp of slope 1 that begins at t = 0 is t - 1 + exp(-t).
     let ramp = |since: f64| if since > 0.0 { since - 1.0 + (-since).exp() } else { 0.0 };
     assert_order_4(&built(builder), "A1", |time| 80.0 * (ramp(time) - ramp(time - 0.625)));
+}
+
+/// x' = -x + u / 2, u = 160 t up to 1 s and then back, between -100 V and 100 V: it leaves 100 V at 1.375 s.
+#[test]
+fn lag_behind_an_amplifier_that_is_clipped_for_a_while() {
+    let builder = volts("clipped for a while")
+        .drive("u", "volt", element("ramp").set("rate", 40).set("turn", 1))
+        .element("S1", element("summer").cords("x4", ["u"]))
+        .element("A1", element("integrator").cords("x1", ["A1"]).cords("x0.5", ["S1"]));
+    let ramp = |since: f64| if since > 0.0 { since - 1.0 + (-since).exp() } else { 0.0 };
+    assert_order_4(&built(builder), "A1", |time| {
+        80.0 * (ramp(time) - ramp(time - 0.625) - ramp(time - 1.375) + ramp(time - 2.625))
+    });
+}
+
+/// x' = -x - min(20 t, 25).
+#[test]
+fn lag_behind_the_lower_of_two() {
+    let builder = source(volts("lower of two"), "level", 25.0)
+        .drive("u", "volt", element("ramp").set("rate", 20))
+        .element("L", element("diode-lower-of").set("in", serde_json::json!(["u", "level"])))
+        .element("A1", element("integrator").cords("x1", ["A1", "L"]));
+    let ramp = |since: f64| if since > 0.0 { since - 1.0 + (-since).exp() } else { 0.0 };
+    assert_order_4(&built(builder), "A1", |time| -20.0 * (ramp(time) - ramp(time - 1.25)));
+}
+
+/// x' = -x - k, k = 30 V while 20 t lies above 40 sin(2 pi t / 4) by 5 V or more, until it lies below by 5 V.
+#[test]
+fn lag_behind_a_comparator() {
+    let (rising, wave) = (element("ramp").set("rate", 20), element("sine").set("amplitude", 40));
+    let relay =
+        element("relay").cord("in", "u").cord("against", "w").cord("on", "level").cord("off", "ground");
+    let builder = source(volts("comparator"), "level", 30.0)
+        .drive("u", "volt", rising)
+        .drive("w", "volt", wave.set("frequency", "1 / 4"))
+        .element("K", relay.set("pull_in", 5).set("drop_out", -5))
+        .element("A1", element("integrator").cords("x1", ["A1", "K"]));
+    let above = |time: f64| 20.0 * time - 40.0 * (TAU * time / 4.0).sin();
+    let pulled_in = root(|time| above(time) - 5.0, 1.0, 3.0);
+    assert_order_4(&built(builder), "A1", |time| {
+        if time > pulled_in { -30.0 * (1.0 - (pulled_in - time).exp()) } else { 0.0 }
+    });
 }
 
 /// x' = -x - |40 sin(2 t)|: in every half period an answer to a sine that begins at 0.

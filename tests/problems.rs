@@ -4,6 +4,7 @@ mod common;
 #[path = "problems/mod.rs"]
 mod library;
 
+use std::f64::consts::FRAC_PI_2;
 use std::fs;
 use std::process::Command;
 
@@ -90,4 +91,95 @@ fn the_commands_of_the_page_are_as_right_as_it_says() {
             assert!(error < bound, "{command}: {error:e}");
         }
     }
+}
+
+/// The section of a problem, and its solution.
+fn section<'p>(page: &'p str, name: &str) -> (&'p str, fn(f64) -> f64) {
+    let problem = PROBLEMS.iter().find(|problem| problem.name == name).unwrap();
+    (page.split("\n## ").find(|section| section.starts_with(name)).unwrap(), problem.exact)
+}
+
+/// The numbers that stand between two phrases.
+fn numbers<const COUNT: usize>(section: &str, phrase: &str, end: &str) -> [f64; COUNT] {
+    let rest = section.split_once(phrase).unwrap_or_else(|| panic!("{phrase} is not told")).1;
+    let words = rest
+        .split_once(end)
+        .unwrap()
+        .0
+        .split(|letter: char| !(letter.is_ascii_digit() || "-.".contains(letter)));
+    let found: Vec<f64> = words.filter_map(|word| word.parse().ok()).collect();
+    found.try_into().unwrap_or_else(|found| panic!("{phrase} {found:?}"))
+}
+
+/// First and second derivative, by differences.
+fn slopes(exact: fn(f64) -> f64, time: f64) -> [f64; 2] {
+    let (step, here) = (1e-4, exact(time));
+    let (before, after) = (exact(time - step), exact(time + step));
+    [(after - before) / (2.0 * step), (after - 2.0 * here + before) / (step * step)]
+}
+
+fn assert_near(found: f64, wanted: f64) {
+    assert!((found - wanted).abs() <= 1e-5 * (1.0 + wanted.abs()), "{found} and not {wanted}");
+}
+
+#[test]
+fn the_equations_of_the_page_have_these_solutions() {
+    let page = fs::read_to_string("docs/problems.md").unwrap();
+    let (dry, x) = section(&page, "Dry friction");
+    let [stiffness, friction] = numbers(dry, "    x'' = -", "sign(x')");
+    let [speed, bend] = slopes(x, 1.0);
+    assert_near(bend, -stiffness * x(1.0) - friction * speed.signum());
+    let turns: [f64; 5] = numbers(dry, "turning points are ", ", and there it stays");
+    (0..5).zip(turns).for_each(|(turn, told)| assert_near(x(f64::from(turn) * FRAC_PI_2), told));
+    assert!((stiffness * turns[4]).abs() <= friction && x(8.0) == turns[4]);
+
+    let (ball, h) = section(&page, "Bouncing ball");
+    let [gravity, height] = numbers(&ball.replace("h(0)", "h"), "h'' = -", ", h'(0)");
+    assert_near(slopes(h, 1.0)[1], -gravity);
+    assert_near(h(0.0), height);
+    let [fall] = numbers(ball, "It falls for ", " s");
+    let [flight, share] = numbers(&ball.replace("^n", ""), "and flies for `", "`");
+    let [first, again] = numbers(&ball.replace("^n", ""), "`v = ", "`");
+    let mut blow = fall;
+    for n in 1..4 {
+        assert_near(h(blow), 0.0);
+        assert_near(slopes(h, blow + 1e-3)[0] + gravity * 1e-3, first * f64::powi(again, n));
+        blow += flight * f64::powi(share, n);
+    }
+
+    let (saturated, x) = section(&page, "Saturated integrator");
+    let [size, rate] = numbers(saturated, "x' = -", " t)");
+    assert_near(slopes(x, 0.5)[0], -size * (rate * 0.5).sin());
+    let [low, high] = numbers(&saturated.replace("x <= ", ""), " t), ", ", x(0)");
+    let course = (0..=1200).map(|at| x(f64::from(at) * 1e-2));
+    let ends = course.fold([0.0f64; 2], |[least, most], x| [least.min(x), most.max(x)]);
+    assert_eq!(ends, [low, high]);
+
+    let (relay, x) = section(&page, "Relay oscillator");
+    let [level, _, mark] = numbers(relay, "x' = -x - s ", ", and -1");
+    assert_near(slopes(x, 0.5)[0], -x(0.5) + level);
+    let [over, under] = numbers(relay, "first after `ln(", ")`");
+    let [next_over, next_under] = numbers(relay, "every\n`ln(", ")`");
+    let (first, half) = (f64::ln(over / under), f64::ln(next_over / next_under));
+    (0..5).zip([1.0, -1.0].into_iter().cycle()).for_each(|(n, sign)| {
+        assert_near(x(first + f64::from(n) * half), sign * mark);
+    });
+}
+
+#[test]
+fn the_numbers_of_the_page_are_those_that_are_run() {
+    let page = fs::read_to_string("docs/problems.md").unwrap();
+    let pol = PROBLEMS.iter().find(|problem| problem.name == "Van der Pol's period").unwrap();
+    let (told, _) = section(&page, pol.name);
+    let changes: [f64; 2] = numbers(&told.replace("x0", "x"), "with mu = ", ", the top");
+    assert!(pol.changes.iter().map(|(_, value)| value).eq(&changes), "{changes:?}");
+    assert_eq!(numbers(told, "after every period of ", ": C. M."), [pol.every]);
+    let (masses, x1) = section(&page, "Three masses");
+    let [out] = numbers(masses, "let go from ", ":\n");
+    let [size] = numbers(masses, "of ", " sin(k");
+    let [stiffness] = numbers(masses, "x_j'' = ", " (x_");
+    // At the beginning the first alone is out: -2 k x.
+    assert_near(slopes(x1, 0.0)[1], -2.0 * stiffness * x1(0.0));
+    assert_near(2.0 * size, out);
+    assert_near(x1(0.0), out);
 }

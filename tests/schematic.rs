@@ -12,21 +12,11 @@ use patchcord::plot::{Format, Stroke, Theme, render_drawing};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-fn stems() -> Vec<String> {
-    let entries = std::fs::read_dir("tests/patches").unwrap().map(|entry| entry.unwrap().path());
-    let patches = entries.filter(|path| path.extension().is_some_and(|ending| ending == "json"));
-    let mut stems: Vec<_> =
-        patches.map(|path| path.file_stem().unwrap().to_string_lossy().into_owned()).collect();
-    stems.sort();
-    stems
-}
-
 #[test]
 fn patches_of_the_tests_are_drawn_rightly() {
-    assert!(stems().len() >= 7);
-    for stem in stems() {
-        let circuit = common::circuit(&common::patch(&stem), &[]);
-        check(&circuit, &stem);
+    for file in common::files::of_tests() {
+        let patch = common::patch_of(&file);
+        check(&common::circuit(&patch, &[]), patch.file());
     }
 }
 

@@ -1,9 +1,8 @@
 //! Every patch that comes with the program can be run as it stands.
 
+mod common;
 mod drawn;
 
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::thread;
 
 use patchcord::circuit::Circuit;
@@ -11,31 +10,12 @@ use patchcord::patch::Patch;
 use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
 
-/// Fragments, which run only once they are attached to something.
-const FRAGMENTS: &str = "effects";
-
-fn patches_in(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() && path.file_name().is_some_and(|name| name != FRAGMENTS) {
-            found.extend(patches_in(&path));
-        } else if path.extension().is_some_and(|extension| extension == "json") {
-            found.push(path);
-        }
-    }
-    found
-}
-
 fn every_patch() -> Vec<Patch> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("patches");
-    let patches = patches_in(&folder);
-    assert!(patches.len() >= 5, "{patches:?}");
-    patches.iter().map(|path| Patch::read(path).unwrap_or_else(|error| panic!("{error}"))).collect()
+    common::files::shipped().iter().map(|file| common::patch_of(file)).collect()
 }
 
 fn circuit(patch: &Patch) -> Circuit {
-    Circuit::new(patch, &[]).unwrap_or_else(|report| panic!("{report}"))
+    common::circuit(patch, &[])
 }
 
 #[test]

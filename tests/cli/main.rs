@@ -1,5 +1,8 @@
 //! The command line as a user meets it: what it prints, what it writes, how it ends.
 
+#[path = "../common/mod.rs"]
+mod common;
+
 mod check;
 mod completions;
 mod draw;

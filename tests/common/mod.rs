@@ -3,6 +3,8 @@
 
 #![allow(dead_code, reason = "every test binary takes what it needs")]
 
+pub mod files;
+
 use std::path::Path;
 
 use patchcord::circuit::Circuit;
@@ -21,8 +23,12 @@ pub fn slideway() -> Patch {
 }
 
 fn read(file: &str) -> Patch {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
-    Patch::read(&path).unwrap_or_else(|error| panic!("{error}"))
+    patch_of(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file))
+}
+
+/// The patch of a file.
+pub fn patch_of(file: &Path) -> Patch {
+    Patch::read(file).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A patch's circuit, with parameters changed.

@@ -2,8 +2,8 @@
 
 use patchcord::patch::{ElementBuilder, Patch, PatchBuilder};
 
-use crate::common::{element, volts};
-use crate::dice::Dice;
+use super::common::{element, volts};
+use super::dice::Dice;
 
 /// The parameters of each.
 pub const PARAMETERS: [&str; 5] = ["p0", "p1", "p2", "p3", "late"];

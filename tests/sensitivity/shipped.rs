@@ -1,26 +1,16 @@
 //! Derivatives of all shipped patches, and those of the tests, by all of their parameters, against differences.
 
-use std::fs;
-use std::path::PathBuf;
-
-use patchcord::patch::{Parameter, Patch};
+use patchcord::patch::Parameter;
 use patchcord::solve::RunSettings;
 
 use crate::bench::Case;
-use crate::common::circuit;
+use crate::common::files::{of_tests, shipped};
+use crate::common::{circuit, patch_of};
 
 /// So many of its own steps of each.
 const STEPS: f64 = 400.0;
 /// They are halved: noise leaves delay lines with pieces of few samples.
 const FINER: f64 = 0.5;
-
-fn files() -> Vec<PathBuf> {
-    let folders = ["patches/lessons", "patches/thesis", "tests/patches"];
-    let all = folders.iter().flat_map(|folder| fs::read_dir(folder).unwrap());
-    let mut files: Vec<_> = all.map(|entry| entry.unwrap().path()).filter(|path| path.is_file()).collect();
-    files.sort();
-    files
-}
 
 /// Whether runs on both sides of a parameter can be made.
 fn is_inside(parameter: &Parameter, value: f64) -> bool {
@@ -30,8 +20,8 @@ fn is_inside(parameter: &Parameter, value: f64) -> bool {
 #[test]
 fn every_parameter_of_every_patch() {
     let mut parameters = 0;
-    for file in files() {
-        let patch = Patch::read(&file).unwrap();
+    for file in shipped().into_iter().chain(of_tests()) {
+        let patch = patch_of(&file);
         let circuit = circuit(&patch, &[]);
         let own = RunSettings::of(&circuit).unwrap();
         let names = circuit.parameters().filter(|(_, parameter, value)| is_inside(parameter, *value));

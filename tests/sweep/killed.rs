@@ -6,6 +6,8 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
+use crate::dice::Dice;
+
 const RUNS: usize = 1500;
 const KILLS: usize = 10;
 
@@ -22,16 +24,6 @@ fn length(file: &Path) -> u64 {
     fs::metadata(file).map_or(0, |there| there.len())
 }
 
-/// Numbers without a pattern, from 0 to below 1.
-struct Dice(u64);
-
-impl Dice {
-    fn roll(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f64 / (1u64 << 24) as f64
-    }
-}
-
 #[test]
 fn killed_at_ten_instants_it_ends_with_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
@@ -45,12 +37,12 @@ fn killed_at_ten_instants_it_ends_with_the_same_bytes() {
     let mut cut_short = 0;
     for _ in 0..KILLS {
         // An instant somewhere on the way, the more rows the later.
-        let until = length(&killed) + (dice.roll() * wanted.len() as f64 / KILLS as f64) as u64;
+        let until = length(&killed) + (dice.even(0.0, 1.0) * wanted.len() as f64 / KILLS as f64) as u64;
         let mut child = command(&killed).spawn().unwrap();
         while length(&killed) < until && child.try_wait().unwrap().is_none() {
             thread::sleep(Duration::from_micros(100));
         }
-        thread::sleep(Duration::from_micros((dice.roll() * 3000.0) as u64));
+        thread::sleep(Duration::from_micros(dice.even(0.0, 3000.0) as u64));
         child.kill().unwrap();
         child.wait().unwrap();
         let found = fs::read(&killed).unwrap_or_default();
