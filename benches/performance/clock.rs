@@ -11,21 +11,16 @@ pub fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
     (start.elapsed().as_secs_f64(), result)
 }
 
-/// The shortest of so many times of one kind of work.
-pub fn shortest(rounds: usize, mut work: impl FnMut() -> Outcome<f64>) -> Outcome<f64> {
-    (0..rounds).try_fold(f64::INFINITY, |shortest, _| Ok(work()?.min(shortest)))
-}
+/// What is measured: the seconds that it takes.
+pub type Work<'a> = Box<dyn FnMut() -> Outcome<f64> + 'a>;
 
-/// The shortest of so many times of two kinds of work, done in turns so that both meet the same machine.
-pub fn in_turns(
-    rounds: usize,
-    mut one: impl FnMut() -> Outcome<f64>,
-    mut other: impl FnMut() -> Outcome<f64>,
-) -> Outcome<[f64; 2]> {
-    let mut shortest = [f64::INFINITY; 2];
+/// The shortest of so many times of each kind of work, done in turns so that all meet the same machine.
+pub fn in_turns(rounds: usize, mut works: Vec<Work<'_>>) -> Outcome<Vec<f64>> {
+    let mut shortest = vec![f64::INFINITY; works.len()];
     for _ in 0..rounds {
-        shortest[0] = shortest[0].min(one()?);
-        shortest[1] = shortest[1].min(other()?);
+        for (shortest, work) in shortest.iter_mut().zip(&mut works) {
+            *shortest = shortest.min(work()?);
+        }
     }
     Ok(shortest)
 }

@@ -8,8 +8,8 @@ use patchcord::program::Program;
 use patchcord::solve::RunSettings;
 
 use crate::Outcome;
-use crate::clock::{shortest, three, timed, told};
-use crate::own::{BACKENDS, ran};
+use crate::clock::{Work, in_turns, three, timed, told};
+use crate::own::{BACKENDS, Backend, ran};
 use crate::page;
 
 /// Elements times steps of one run.
@@ -21,11 +21,11 @@ const ROUNDS: usize = 3;
 pub fn table(quick: bool) -> Outcome<String> {
     let counts: &[usize] = if quick { &[100, 10_000] } else { &[12, 100, 1000, 10_000] };
     let rows = counts.iter().map(|count| row(*count)).collect::<Outcome<Vec<_>>>()?;
-    let mut head = vec!["elements", "read", "resolve and check", "lower", "together"];
-    let names: Vec<String> =
-        BACKENDS.iter().map(|(name, _)| format!("an element and step, {name}")).collect();
-    head.extend(names.iter().map(String::as_str));
-    Ok(page::table(&head, &rows))
+    let head = ["elements", "read", "resolve and check", "lower"].map(str::to_owned);
+    let head = head.into_iter().chain(BACKENDS.map(|(name, _)| format!("first step, {name}")));
+    let head = head.chain(BACKENDS.map(|(name, _)| format!("an element and step, {name}")));
+    let head: Vec<String> = head.collect();
+    Ok(page::table(&head.iter().map(String::as_str).collect::<Vec<_>>(), &rows))
 }
 
 /// A chain of so many elements, as text.
@@ -53,22 +53,31 @@ fn chain(count: usize) -> String {
 }
 
 fn row(count: usize) -> Outcome<Vec<String>> {
-    let (phases, program, settings) = made(&chain(count))?;
-    let steps = (WORK / count as f64).round();
-    let settings = settings.lasting(steps * STEP);
-    let mut row = vec![count.to_string()];
-    row.extend(phases.map(told));
-    row.push(told(phases.iter().sum()));
-    for (_, chosen) in BACKENDS {
-        let settings = RunSettings { every: steps * STEP, ..chosen(settings.clone()) };
-        let seconds = shortest(ROUNDS, || Ok(ran(&program, &settings)?.0))?;
-        row.push(format!("{} ns", three(seconds / steps / count as f64 * 1e9)));
-    }
-    Ok(row)
+    let (phases, circuit) = made(&chain(count))?;
+    let (steps, own) = ((WORK / count as f64).round(), RunSettings::of(&circuit)?);
+    let settings = |steps: f64, (_, chosen): Backend| {
+        let length = steps * STEP;
+        chosen(RunSettings { every: length, ..own.clone().lasting(length) })
+    };
+    let program = Program::new(&circuit)?;
+    // Folding and compiling are part of the first step.
+    let first = |backend: Backend| -> Work<'_> {
+        let (settings, circuit) = (settings(1.0, backend), &circuit);
+        Box::new(move || Ok(ran(&Program::new(circuit)?, &settings)?.0))
+    };
+    let long = |backend: Backend| -> Work<'_> {
+        let (settings, program) = (settings(steps, backend), &program);
+        Box::new(move || Ok(ran(program, &settings)?.0))
+    };
+    let first = in_turns(ROUNDS, BACKENDS.map(first).into())?;
+    let long = in_turns(ROUNDS, BACKENDS.map(long).into())?;
+    let told_long = long.iter().map(|seconds| format!("{} ns", three(seconds / steps / count as f64 * 1e9)));
+    let told_phases = phases.into_iter().chain(first).map(told);
+    Ok([count.to_string()].into_iter().chain(told_phases).chain(told_long).collect())
 }
 
-/// The shortest seconds of reading, resolving and lowering, and what they made.
-fn made(text: &str) -> Outcome<([f64; 3], Program, RunSettings)> {
+/// The shortest seconds of reading, resolving and lowering, and the circuit.
+fn made(text: &str) -> Outcome<([f64; 3], Circuit)> {
     let mut least = [f64::INFINITY; 3];
     let mut made = None;
     for _ in 0..ROUNDS {
@@ -77,9 +86,9 @@ fn made(text: &str) -> Outcome<([f64; 3], Program, RunSettings)> {
         let (resolved, circuit) = timed(|| Circuit::new(&patch, &[]));
         let circuit = circuit?;
         let (lowered, program) = timed(|| Program::new(&circuit));
-        made = Some((program?, RunSettings::of(&circuit)?));
+        program?;
+        made = Some(circuit);
         least = std::array::from_fn(|phase| least[phase].min([read, resolved, lowered][phase]));
     }
-    let (program, settings) = made.ok_or("nothing was made")?;
-    Ok((least, program, settings))
+    Ok((least, made.ok_or("nothing was made")?))
 }

@@ -15,10 +15,10 @@ use crate::own::COMPARED;
 pub struct Peers {
     folder: PathBuf,
     /// Programs of PATH, and whether they can be used.
-    pub scipy: bool,
-    pub pathsim: bool,
-    pub ngspice: bool,
-    pub crate_built: bool,
+    scipy: bool,
+    pathsim: bool,
+    ngspice: bool,
+    crate_built: bool,
 }
 
 /// What a peer made of the first seconds.
@@ -79,6 +79,16 @@ impl Peers {
         })
     }
 
+    /// Whether a peer can be used here.
+    pub fn has(&self, program: Program) -> bool {
+        match program {
+            Program::Crate => self.crate_built,
+            Program::Scipy => self.scipy,
+            Program::Pathsim => self.pathsim,
+            Program::Ngspice => self.ngspice,
+        }
+    }
+
     /// What everything was measured on, and with.
     pub fn versions(&self) -> String {
         let first = |program: &str, words: &[&str]| {
@@ -110,21 +120,21 @@ impl Peers {
         lines.join("\n") + "\n"
     }
 
-    /// Seconds that a C program took, the best of so many runs, and what it printed beside.
+    /// What a C program printed.
     fn c(&self, stem: &str, words: &[String]) -> Outcome<Value> {
         Ok(serde_json::from_str(&printed(Command::new(self.folder.join(stem)).args(words))?)?)
     }
 
-    /// Seconds of the C program for a length at a step, the best of 5.
+    /// Seconds of the C program for a length at a step.
     pub fn c_seconds(&self, stem: &str, length: f64, step: f64) -> Outcome<f64> {
-        let told = self.c(stem, &[format!("step={step:e}"), format!("for={length}"), "repeat=5".into()])?;
+        let told = self.c(stem, &[format!("step={step:e}"), format!("for={length}")])?;
         told["seconds"].as_f64().ok_or("no seconds".into())
     }
 
     /// A C program over the first seconds.
     pub fn c_solved(&self, stem: &str, step: f64) -> Outcome<Solved> {
         let rows = self.folder.join("rows");
-        let words = [format!("step={step:e}"), format!("for={COMPARED}"), "repeat=5".into()];
+        let words = [format!("step={step:e}"), format!("for={COMPARED}")];
         let told = self.c(stem, &[&words[..], &[format!("rows={}", rows.display())]].concat())?;
         // Seven signals a row, the velocity the third.
         let velocity = doubles(&rows)?.chunks_exact(7).map(|row| row[2]).collect();

@@ -3,13 +3,13 @@
 use patchcord::solve::RunSettings;
 
 use crate::Outcome;
-use crate::clock::{shortest, told};
+use crate::clock::{Work, in_turns, told};
 use crate::library::{PROBLEMS, Problem};
-use crate::own::{BACKENDS, ran};
+use crate::own::{BACKENDS, Backend, ran};
 use crate::page;
+use crate::whole::ROUNDS;
 
 const TOLERANCE: f64 = 1e-8;
-const ROUNDS: usize = 5;
 
 pub fn table() -> Outcome<String> {
     let rows = PROBLEMS.iter().map(row).collect::<Outcome<Vec<_>>>()?;
@@ -26,10 +26,11 @@ fn row(problem: &Problem) -> Outcome<Vec<String>> {
     let mut row = vec![problem.name.to_owned(), told(problem.step)];
     for settings in [equal, adaptive] {
         row.push(format!("{:.1e}", problem.error(&program, &settings)));
-        for (_, chosen) in BACKENDS {
-            let settings = chosen(settings.clone());
-            row.push(told(shortest(ROUNDS, || Ok(ran(&program, &settings)?.0))?));
-        }
+        let work = |(_, chosen): Backend| -> Work<'_> {
+            let (settings, program) = (chosen(settings.clone()), &program);
+            Box::new(move || Ok(ran(program, &settings)?.0))
+        };
+        row.extend(in_turns(ROUNDS, BACKENDS.map(work).into())?.into_iter().map(told));
     }
     Ok(row)
 }

@@ -9,7 +9,7 @@ use patchcord::solve;
 use patchcord::sweep::{Axis, Plan, Sweep};
 
 use crate::Outcome;
-use crate::clock::{shortest, three, timed, told};
+use crate::clock::{Work, in_turns, three, timed, told};
 use crate::own::{self, BACKENDS, Backend, Fig816, SAMPLES, Steps};
 use crate::page;
 use crate::peers::{Peers, RUNS};
@@ -22,29 +22,34 @@ const THINNED: usize = 10;
 /// Steps of the reference, in seconds.
 const REFERENCE: f64 = 5e-6;
 
+/// How often everything is measured, in turns.
+const ROUNDS: usize = 2;
+
 pub fn table(peers: &Peers, fig: &Fig816, quick: bool) -> Outcome<String> {
     let reference = peers.c_swept("fig_8_16_located", REFERENCE)?.velocity;
-    let mut rows = Vec::new();
-    let plain =
-        c_row(peers, "fig_8_16", "C, kinks stepped over", &[100, 120, 140, 160, 200, 250, 300], &reference)?;
-    let base = plain.seconds;
-    let located =
-        c_row(peers, "fig_8_16_located", "C, kinks located", &[10, 12, 16, 20, 25, 30, 40], &reference)?;
-    for found in [plain, located] {
-        rows.push(found.row(base, None));
+    let (mut entries, mut works): (Vec<Entry>, Vec<Work<'_>>) = (Vec::new(), Vec::new());
+    for (stem, name) in [("fig_8_16", "C, kinks stepped over"), ("fig_8_16_located", "C, kinks located")] {
+        let (step, share) = c_step(peers, stem, &reference)?;
+        entries.push(Entry { name: name.to_owned(), step, share, threads: None });
+        works.push(Box::new(move || Ok(peers.c_swept(stem, step)?.seconds)));
     }
     for backend in BACKENDS {
         let step = step_of(fig, backend, &reference)?;
-        let one = swept(fig, backend, step, 1, quick)?;
-        let two = swept(fig, backend, step, 2, quick)?;
-        let thinned = if quick { THINNED } else { 1 };
-        let share = share_right(fig, backend, step, &reference, thinned)?;
-        for (threads, seconds) in [(1, one), (2, two)] {
+        let share = share_right(fig, backend, step, &reference, if quick { THINNED } else { 1 })?;
+        for threads in [1, 2] {
             let name =
                 format!("patchcord, {}, {threads} thread{}", backend.0, if threads == 1 { "" } else { "s" });
-            rows.push(Found { name, step, share, seconds }.row(base, Some(one)));
+            entries.push(Entry { name, step, share, threads: Some(threads) });
+            works.push(Box::new(move || swept(fig, backend, step, threads, quick)));
         }
     }
+    let seconds = in_turns(ROUNDS, works)?;
+    let mut one_thread = f64::NAN;
+    let rows = entries.iter().zip(&seconds).map(|(entry, own)| {
+        one_thread = if entry.threads == Some(1) { *own } else { one_thread };
+        entry.row(*own, seconds[0], one_thread)
+    });
+    let rows: Vec<_> = rows.collect();
     let head = [
         "",
         "step",
@@ -58,23 +63,24 @@ pub fn table(peers: &Peers, fig: &Fig816, quick: bool) -> Outcome<String> {
 }
 
 /// A solver at its step.
-struct Found {
+struct Entry {
     name: String,
     step: f64,
     share: f64,
-    seconds: f64,
+    /// How many threads patchcord has.
+    threads: Option<usize>,
 }
 
-impl Found {
-    fn row(&self, base: f64, one_thread: Option<f64>) -> Vec<String> {
+impl Entry {
+    fn row(&self, seconds: f64, base: f64, one_thread: f64) -> Vec<String> {
         vec![
             self.name.clone(),
             format!("{:.1} µs", self.step * 1e6),
             format!("{:.1} %", self.share * 100.0),
-            told(self.seconds),
-            format!("{:.0}", RUNS as f64 / self.seconds),
-            three(base / self.seconds),
-            one_thread.map_or(String::new(), |one| three(one / self.seconds)),
+            told(seconds),
+            format!("{:.0}", RUNS as f64 / seconds),
+            three(base / seconds),
+            self.threads.map_or(String::new(), |_| three(one_thread / seconds)),
         ]
     }
 }
@@ -85,23 +91,22 @@ fn right<'a>(runs: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> f64 {
     errors.iter().filter(|error| **error <= WANTED).count() as f64 / errors.len() as f64
 }
 
-/// A C program with the fewest steps a millisecond that do.
-fn c_row(peers: &Peers, stem: &str, name: &str, ladder: &[u32], reference: &[f64]) -> Outcome<Found> {
-    for per_row in ladder {
-        let step = 1e-3 / f64::from(*per_row);
+/// The longest step of a C program that does, and the share that it has right.
+fn c_step(peers: &Peers, stem: &str, reference: &[f64]) -> Outcome<(f64, f64)> {
+    for parts in own::rungs() {
+        let step = 1e-3 / f64::from(parts);
         let solved = peers.c_swept(stem, step)?;
         let share = right(solved.velocity.chunks(SAMPLES).zip(reference.chunks(SAMPLES)));
         if share >= SHARE {
-            let seconds = shortest(2, || Ok(peers.c_swept(stem, step)?.seconds))?.min(solved.seconds);
-            return Ok(Found { name: name.to_owned(), step, share, seconds });
+            return Ok((step, share));
         }
     }
-    Err(format!("{name}: no step is right enough").into())
+    Err(format!("{stem}: no step is right enough").into())
 }
 
 fn step_of(fig: &Fig816, backend: Backend, reference: &[f64]) -> Outcome<f64> {
-    for per_row in [10, 12, 16, 20, 25, 30, 40] {
-        let step = 1e-3 / f64::from(per_row);
+    for parts in own::rungs() {
+        let step = 1e-3 / f64::from(parts);
         if share_right(fig, backend, step, reference, THINNED)? >= SHARE {
             return Ok(step);
         }
@@ -128,8 +133,10 @@ fn share_right(fig: &Fig816, backend: Backend, step: f64, reference: &[f64], thi
                 })
             })
             .collect();
-        threads.into_iter().flat_map(|thread| thread.join().unwrap_or_default()).collect::<Vec<_>>()
-    });
+        let halves = threads.into_iter().map(|thread| thread.join().map_err(|_| "a run broke off"));
+        halves.collect::<Result<Vec<_>, _>>()
+    })?;
+    let velocities = velocities.concat();
     let expected = chosen.iter().map(|run| &reference[run * SAMPLES..(run + 1) * SAMPLES]);
     Ok(right(velocities.iter().map(Vec::as_slice).zip(expected)))
 }
