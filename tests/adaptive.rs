@@ -211,6 +211,22 @@ fn a_relay_that_is_passed_in_the_middle_of_a_step_switches() {
     }
 }
 
+/// A ramp of 5 V/s passes a spike of a function generator, 0.2 V wide, or the tip of a sine above a dead zone.
+#[test]
+fn what_comes_and_goes_before_a_relay_in_a_calm_switches_it() {
+    let ramp = volts("spike").drive("u", "volt", element("ramp").set("rate", 5));
+    let points = serde_json::json!([[0.0, 0.0], [31.1, 0.0], [31.2, 60.0], [31.3, 0.0], [90.0, 0.0]]);
+    let spike = ramp.element("F", element("function-generator").cord("in", "u").set("points", points));
+    let sine = volts("tip").drive("u", "volt", element("sine").set("amplitude", 60.1).set("frequency", 0.1));
+    let tip = sine.element("F", element("dead-zone").cord("in", "u").set("lower", -70).set("upper", 50));
+    for (builder, level) in [(spike, 50.0), (tip, 10.0)] {
+        let program = built(relay(builder, "F", level, level - 5.0));
+        for tolerance in WIDE {
+            assert_eq!(ran(&program, tolerance).work().changes, 2, "at {tolerance:e}");
+        }
+    }
+}
+
 /// A relay K1 between -100 and 100 V.
 fn relay(builder: PatchBuilder, input: &str, pull_in: f64, drop_out: f64) -> PatchBuilder {
     let relay = element("relay").cord("in", input).cord("on", "+100").cord("off", "-100");

@@ -100,16 +100,22 @@ fn next_corner(points: &[[f64; 2]], from: f64, rises: bool) -> Option<f64> {
 }
 
 impl Program {
-    /// The kinks that the rates, and what is kept or delayed, have; `owners` tells whose law each operation is.
-    pub(super) fn find_kinks(&self, owners: &[usize]) -> Vec<Kink> {
+    /// The kinks that the rates, and what is kept or delayed, have, and those that guards alone have; `owners` tells whose
+    /// law each operation is.
+    pub(super) fn find_kinks(&self, owners: &[usize]) -> [Vec<Kink>; 2] {
         let moving = self.moving(|op| matches!(op, Op::State(_) | Op::Time | Op::Delayed(_) | Op::Tear(_)));
         let rates = self.states.iter().map(|state| state.rate);
         let inputs = self.delays.iter().map(|delay| delay.input);
-        let wanted = self.needed_for(rates.chain(inputs).chain(self.kept.iter().map(|kept| kept.next)));
-        let kinks = self.body.iter().enumerate().filter_map(|(at, op)| {
-            let surface = Surface::of(*op).filter(|surface| wanted[at] && surface.moves(&moving))?;
-            Some(Kink { element: owners[at], surface })
-        });
-        kinks.collect()
+        let run = self.needed_for(rates.chain(inputs).chain(self.kept.iter().map(|kept| kept.next)));
+        let transitions = self.modes.iter().flat_map(|mode| &mode.transitions);
+        let switch = self.needed_for(transitions.map(|transition| transition.guard.register));
+        let those = |wanted: &dyn Fn(usize) -> bool| {
+            let kinks = self.body.iter().enumerate().filter_map(|(at, op)| {
+                let surface = Surface::of(*op).filter(|surface| wanted(at) && surface.moves(&moving))?;
+                Some(Kink { element: owners[at], surface })
+            });
+            kinks.collect()
+        };
+        [those(&|at| run[at]), those(&|at| switch[at] && !run[at])]
     }
 }

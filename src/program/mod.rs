@@ -77,6 +77,8 @@ pub struct Program {
     pub(crate) loops: Vec<Loop>,
     /// Where rates turn corners.
     pub(crate) kinks: Vec<Kink>,
+    /// Where guards turn corners, and no rates.
+    pub(crate) guard_kinks: Vec<Kink>,
     /// What periodic functions are taken of.
     pub(crate) angles: Vec<Angle>,
     pub(crate) lamps: Vec<Lamp>,

@@ -4,7 +4,7 @@ use super::control::CHATTER;
 use super::error::RunError;
 use super::locate::{self, Ahead};
 use super::machine::{Machine, Witness};
-use crate::program::{Crossing, Guard, ON_THE_KINK, Transition};
+use crate::program::{Crossing, Guard, Kink, ON_THE_KINK, Transition};
 
 /// More changes of one mode, or crossings of one kink, than this within one of equal steps are chatter; with a tolerance,
 /// within a share of the first step tried ([`CHATTER`]).
@@ -151,20 +151,26 @@ impl Machine<'_> {
         due.or_else(|| self.kink_on_the_way_to(registers))
     }
 
+    /// The kinks that no step reaches across. Those that guards alone have matter where long steps could miss what comes and
+    /// goes behind them.
+    pub(super) fn kinks(&self) -> impl Iterator<Item = &Kink> {
+        let of_guards = if self.control.is_some() { self.program.guard_kinks.as_slice() } else { &[] };
+        self.program.kinks.iter().chain(of_guards)
+    }
+
     fn kink_on_the_way_to(&self, registers: &[f64]) -> Option<Event> {
-        let mut kinks = self.program.kinks.iter().enumerate();
-        kinks.find_map(|(index, kink)| {
+        self.kinks().enumerate().find_map(|(index, kink)| {
             let [from, to] = [&self.registers, registers].map(|voltages| kink.value(voltages));
             Some(Event::Kink(index, kink.crossed(&self.program.tables, from, to)?))
         })
     }
 
     /// Takes note that the machine stands on a kink: its echo will be one.
-    fn cross(&mut self, kink: usize) -> Result<(), RunError> {
+    fn cross(&mut self, index: usize) -> Result<(), RunError> {
         self.work.crossings += 1;
-        self.crossings[kink] += 1;
-        if self.crossings[kink] > MOST_CHANGES {
-            return Err(self.chatter(self.program.kinks[kink].element));
+        self.crossings[index] += 1;
+        if let Some(kink) = self.kinks().nth(index).filter(|_| self.crossings[index] > MOST_CHANGES) {
+            return Err(self.chatter(kink.element));
         }
         self.remember_break(0);
         Ok(())

@@ -205,7 +205,7 @@ impl<'p> Machine<'p> {
             mode: MachineMode::InitialCondition,
             work: Work::default(),
             changes: vec![0; program.modes.len()],
-            crossings: vec![0; program.kinks.len()],
+            crossings: vec![0; program.kinks.len() + program.guard_kinks.len()],
             pushed: zeros(),
             step,
             grid: Grid::new(step),

@@ -19,7 +19,7 @@ impl Machine<'_> {
             let samples = self.samples(ends, |voltages| open.guard.excess(voltages))?;
             turn_towards(&samples, |_, to| to >= 0.0)
         });
-        let kinks = self.program.kinks.iter().filter_map(|kink| {
+        let kinks = self.kinks().filter_map(|kink| {
             let samples = self.samples(ends, |voltages| kink.value(voltages))?;
             turn_towards(&samples, |from, to| kink.crossed(&self.program.tables, from, to).is_some())
         });
