@@ -21,6 +21,10 @@
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
+// Unit tests take what the other tests share, where this is the name.
+#[cfg(test)]
+extern crate self as patchcord;
+
 pub mod circuit;
 pub mod elements;
 mod grid;

@@ -8,11 +8,8 @@ mod circuits;
 #[path = "thesis/dice.rs"]
 mod dice;
 
-use std::path::Path;
-
 use common::{built, circuit, element, program, ran, source, volts};
 use dice::Dice;
-use patchcord::patch::Patch;
 use patchcord::program::Program;
 use patchcord::solve::{self, Backend, Machine, RunSettings};
 use patchcord::trace::Trace;
@@ -41,31 +38,27 @@ fn difference(a: &Trace, b: &Trace) -> f64 {
 
 #[test]
 fn every_shipped_patch() {
-    for folder in ["patches/thesis", "patches/lessons"] {
-        for entry in Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).read_dir().unwrap() {
-            let file = entry.unwrap().path();
-            let patch = Patch::read(&file).unwrap();
-            let circuit = circuit(&patch, &[]);
-            let settings = RunSettings::of(&circuit).unwrap();
-            // What is chaotic, and what sticks and slips, makes rounding grow: so many seconds of it. Where a step ends on a
-            // corner, the reference's stages may be bent there, the kernel's are not: a shorter step leaves rounding only.
-            let settings = match file.file_stem().unwrap().to_str().unwrap() {
-                "lorenz" => settings.lasting(10.0),
-                name if name.starts_with("fig-8-1") => {
-                    RunSettings { step: 0.25 * settings.step, ..settings.lasting(0.5) }
-                }
-                _ => settings,
-            };
-            let (folded, reference) = both(&Program::new(&circuit).unwrap(), &settings);
-            let found = difference(&folded, &reference);
-            assert!(found <= 1e-9, "{}: {found:e} V", file.display());
-            for (folded, reference) in folded.tracks.iter().zip(&reference.tracks) {
-                let pairs = folded.courses.iter().zip(&reference.courses);
-                for (folded, reference) in pairs {
-                    let ends = [folded, reference].map(|course| [course.least.volts, course.most.volts]);
-                    let apart = (ends[0][0] - ends[1][0]).abs().max((ends[0][1] - ends[1][1]).abs());
-                    assert!(apart <= 1e-6, "{}: {ends:?}", file.display());
-                }
+    for file in common::files::shipped() {
+        let circuit = circuit(&common::patch_of(&file), &[]);
+        let settings = RunSettings::of(&circuit).unwrap();
+        // What is chaotic, and what sticks and slips, makes rounding grow: so many seconds of it. Where a step ends on a
+        // corner, the reference's stages may be bent there, the kernel's are not: a shorter step leaves rounding only.
+        let settings = match file.file_stem().unwrap().to_str().unwrap() {
+            "lorenz" => settings.lasting(10.0),
+            name if name.starts_with("fig-8-1") => {
+                RunSettings { step: 0.25 * settings.step, ..settings.lasting(0.5) }
+            }
+            _ => settings,
+        };
+        let (folded, reference) = both(&Program::new(&circuit).unwrap(), &settings);
+        let found = difference(&folded, &reference);
+        assert!(found <= 1e-9, "{}: {found:e} V", file.display());
+        for (folded, reference) in folded.tracks.iter().zip(&reference.tracks) {
+            let pairs = folded.courses.iter().zip(&reference.courses);
+            for (folded, reference) in pairs {
+                let ends = [folded, reference].map(|course| [course.least.volts, course.most.volts]);
+                let apart = (ends[0][0] - ends[1][0]).abs().max((ends[0][1] - ends[1][1]).abs());
+                assert!(apart <= 1e-6, "{}: {ends:?}", file.display());
             }
         }
     }
