@@ -53,9 +53,8 @@ impl Kernel {
         let two = V::splat(2.0);
         for state in 0..frame.states.len() {
             let [second, third, fourth] = [0, 1, 2].map(|stage| frame.stages[stage][state]);
-            let inner = second.add(third);
-            let outer = frame.rates[state].add(fourth);
-            let rate = inner.multiply_add(two, outer);
+            // The last rate is added last, as everything waits for it.
+            let rate = second.add(third).multiply_add(two, frame.rates[state]).add(fourth);
             // Rounded before it is added: straight lines stay exact.
             frame.slots[self.layout.states + state] = frame.states[state].add(rate.multiply(sixth));
         }

@@ -11,6 +11,9 @@ use super::super::code::Slot;
 use super::super::{Checks, Kernel};
 use super::Memory;
 
+/// States of so many integrators are carried from step to step in registers.
+const MOST_CARRIED: usize = 4;
+
 /// What writes the code of a kernel.
 pub(super) struct Emitter<'a, 'f> {
     pub build: &'a mut FunctionBuilder<'f>,
@@ -26,6 +29,8 @@ pub(super) struct Emitter<'a, 'f> {
     /// The states and their rates.
     pub states: Value,
     pub rates: Value,
+    /// Of a step, a few of both that are at hand.
+    carried: Vec<[Value; 2]>,
     /// The values of the slots that were worked out or loaded in this stage.
     pub values: Vec<Option<Value>>,
     /// The beginnings of sums that were worked out in this stage.
@@ -65,6 +70,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
             stage: 0,
             states,
             rates,
+            carried: Vec::new(),
             values,
             sums: HashMap::new(),
             met,
@@ -87,55 +93,99 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.build.ins().store(MemFlagsData::trusted(), value, base, 8 * index as i32);
     }
 
-    /// The loop over the steps. States and rates stand in memory between them: there are too few registers for all.
+    /// The loop over the steps. When a step ends is worked out in the step before it, as that takes long. A few states and
+    /// rates are carried in registers; more stand in memory.
     pub fn steps(mut self) {
         let [first, all] = [offset_of!(Memory, first), offset_of!(Memory, count)]
             .map(|offset| self.of_memory(types::I64, offset));
-        let start = self.of_memory(types::F64, offset_of!(Memory, time));
+        let states = if self.kernel.rates.len() > MOST_CARRIED { 0 } else { self.kernel.rates.len() };
         let zero = self.build.ins().iconst(types::I64, 0);
-        let head = self.build.create_block();
-        for block in [head, self.met] {
-            self.build.append_block_param(block, types::I64);
-            self.build.append_block_param(block, types::F64);
+        let mut start = vec![zero, self.of_memory(types::F64, offset_of!(Memory, time))];
+        for index in 0..states {
+            start.extend([self.states, self.rates].map(|base| self.load(base, index)));
         }
-        self.build.ins().jump(head, &[zero.into(), start.into()]);
+        let head = self.build.create_block();
+        for block in [self.met, head] {
+            for value in &start {
+                let of = self.build.func.dfg.value_type(*value);
+                self.build.append_block_param(block, of);
+            }
+        }
+        self.build.append_block_param(head, types::F64);
+        let end = self.end_of(zero, first);
+        self.jump(head, &[&start[..], &[end]].concat());
 
         self.build.switch_to_block(head);
-        let given: Vec<Value> = self.build.block_params(head).to_vec();
-        let here = [given[0], given[1]];
-        let is_left = self.build.ins().icmp(IntCC::UnsignedLessThan, here[0], all);
-        let body = self.build.create_block();
-        self.build.ins().brif(is_left, body, &[], self.met, &here.map(Into::into));
-
-        self.build.switch_to_block(body);
-        let end = self.step(here, first);
+        let mut here: Vec<Value> = self.build.block_params(head).to_vec();
+        let end = here.pop().expect("the end of the step comes last");
         let next = self.build.ins().iadd_imm_s(here[0], 1);
-        self.build.ins().jump(head, &[next.into(), end.into()]);
+        let is_left = self.build.ins().icmp(IntCC::UnsignedLessThan, here[0], all);
+        self.leave_unless(is_left, &here);
+        let after_next = self.end_of(next, first);
+        let is_last = self.build.ins().icmp(IntCC::Equal, next, all);
+        let carried = self.step(&here, end, is_last);
+        self.jump(head, &[&[next, end], &carried[..], &[after_next]].concat());
 
         self.build.switch_to_block(self.met);
         let left: Vec<Value> = self.build.block_params(self.met).to_vec();
         let offset = offset_of!(Memory, time) as i32;
         self.build.ins().store(MemFlagsData::trusted(), left[1], self.memory, offset);
+        for (index, carried) in left[2..].chunks(2).enumerate() {
+            self.store(carried[0], self.states, index);
+            self.store(carried[1], self.rates, index);
+        }
         self.build.ins().return_(&[left[0]]);
     }
 
-    /// One step, from its number and its time to the time at its end.
-    fn step(&mut self, here: [Value; 2], first: Value) -> Value {
+    fn jump(&mut self, block: Block, values: &[Value]) {
+        let values: Vec<_> = values.iter().copied().map(Into::into).collect();
+        self.build.ins().jump(block, &values);
+    }
+
+    /// Leaves the code with what stands at the beginning of the step, unless something holds.
+    pub fn leave_unless(&mut self, holds: Value, here: &[Value]) {
+        let next = self.build.create_block();
+        let here: Vec<_> = here.iter().copied().map(Into::into).collect();
+        self.build.ins().brif(holds, next, &[], self.met, &here);
+        self.build.switch_to_block(next);
+    }
+
+    /// One step, from its number, its time and what is carried, to what is carried on from its end.
+    fn step(&mut self, here: &[Value], end: Value, is_last: Value) -> Vec<Value> {
         let kernel = self.kernel;
-        let [index, time] = here;
-        let end = self.end_of(index, first);
+        let time = here[1];
+        self.carried = here[2..].chunks(2).map(|pair| [pair[0], pair[1]]).collect();
         let length = self.build.ins().fsub(end, time);
         let (after, rates, ()) = self.stages([time, length, end], &kernel.quick, |emitter| {
             emitter.leave_beyond_fences(kernel.quick.in_middle, here);
         });
         self.leave_beyond_fences(kernel.quick.all, here);
-        self.see(end);
+        self.see(end, is_last);
         self.keep();
-        for index in 0..after.len() {
-            self.store(after[index], self.states, index);
-            self.store(rates[index], self.rates, index);
+        if self.carried.is_empty() {
+            for index in 0..after.len() {
+                self.store(after[index], self.states, index);
+                self.store(rates[index], self.rates, index);
+            }
+            return Vec::new();
         }
-        end
+        after.into_iter().zip(rates).flat_map(|(state, rate)| [state, rate]).collect()
+    }
+
+    /// A state at the beginning of the step.
+    fn state(&mut self, index: usize) -> Value {
+        match self.carried.get(index) {
+            Some([state, _]) => *state,
+            None => self.load(self.states, index),
+        }
+    }
+
+    /// Its rate there.
+    fn rate(&mut self, index: usize) -> Value {
+        match self.carried.get(index) {
+            Some([_, rate]) => *rate,
+            None => self.load(self.rates, index),
+        }
     }
 
     /// A look ahead: 0 where nothing is met, 1 where something comes and goes, else 2.
@@ -177,26 +227,30 @@ impl<'a, 'f> Emitter<'a, 'f> {
         in_the_middle: impl FnOnce(&mut Self) -> T,
     ) -> (Vec<Value>, Vec<Value>, T) {
         let kernel = self.kernel;
-        let a_half = self.number(0.5);
+        let a_half = self.of_memory(types::F64, offset_of!(Memory, half));
         let half = self.build.ins().fmul(a_half, length);
         let middle = self.build.ins().fadd(time, half);
-        let rates: Vec<Value> = (0..kernel.rates.len()).map(|index| self.load(self.rates, index)).collect();
+        let rates: Vec<Value> = (0..kernel.rates.len()).map(|index| self.rate(index)).collect();
         let second = self.stage(0, &rates, half, middle);
         let third = self.stage(1, &second, half, middle);
-        let pairs = second.into_iter().zip(&third);
-        let inner: Vec<Value> = pairs.map(|(second, third)| self.build.ins().fadd(second, *third)).collect();
+        let two = self.of_memory(types::F64, offset_of!(Memory, two));
+        // All but the last rate, on which everything waits.
+        let sums: Vec<Value> = (0..rates.len())
+            .map(|index| {
+                let inner = self.build.ins().fadd(second[index], third[index]);
+                let rate = self.rate(index);
+                self.build.ins().fma(inner, two, rate)
+            })
+            .collect();
         self.run(&checks.middle);
         let seen = in_the_middle(self);
         let fourth = self.stage(2, &third, length, end);
         let six = self.number(6.0);
         let sixth = self.build.ins().fdiv(length, six);
-        let two = self.number(2.0);
-        let after: Vec<Value> = (0..inner.len())
+        let after: Vec<Value> = (0..sums.len())
             .map(|index| {
-                let rate = self.load(self.rates, index);
-                let outer = self.build.ins().fadd(rate, fourth[index]);
-                let rate = self.build.ins().fma(inner[index], two, outer);
-                let state = self.load(self.states, index);
+                let rate = self.build.ins().fadd(sums[index], fourth[index]);
+                let state = self.state(index);
                 // Rounded before it is added: straight lines stay exact.
                 let way = self.build.ins().fmul(rate, sixth);
                 self.build.ins().fadd(state, way)
@@ -224,7 +278,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     fn stage(&mut self, stage: usize, rates: &[Value], length: Value, time: Value) -> Vec<Value> {
         let trial: Vec<Value> = (0..rates.len())
             .map(|index| {
-                let state = self.load(self.states, index);
+                let state = self.state(index);
                 self.build.ins().fma(rates[index], length, state)
             })
             .collect();

@@ -66,6 +66,9 @@ struct Memory {
     per_second: f64,
     first: u64,
     count: u64,
+    /// Numbers that are quicker read than made.
+    half: f64,
+    two: f64,
 }
 
 /// Kernels of more operations than this are interpreted: making the code would take longer than it saves.
@@ -144,6 +147,8 @@ impl Native {
             per_second: 1.0,
             first: 0,
             count: 0,
+            half: 0.5,
+            two: 2.0,
         }
     }
 }

@@ -33,7 +33,7 @@ impl Emitter<'_, '_> {
     }
 
     /// Leaves the code where one of the first fences' voltages is not between its numbers: two are looked at at a time.
-    pub fn leave_beyond_fences(&mut self, fences: usize, here: [Value; 2]) {
+    pub fn leave_beyond_fences(&mut self, fences: usize, here: &[Value]) {
         let kernel = self.kernel;
         let values: Vec<Value> = kernel.fences[..fences].iter().map(|fence| self.get(fence.slot)).collect();
         let bases = [
@@ -45,19 +45,23 @@ impl Emitter<'_, '_> {
         let compared = self.compared_in_pairs(&values, bases);
         let Some(all) = compared.into_iter().reduce(|all, is| self.build.ins().band(all, is)) else { return };
         let holds = self.build.ins().vall_true(all);
-        let next = self.build.create_block();
-        self.build.ins().brif(holds, next, &[], self.met, &here.map(Into::into));
-        self.build.switch_to_block(next);
+        self.leave_unless(holds, here);
     }
 
-    /// Sees the voltages that are recorded: two at a time, whether any is the least or the largest so far.
-    pub fn see(&mut self, time: Value) {
+    /// Sees the voltages that are recorded: two at a time, whether any is the least or the largest so far. Those of the last
+    /// step are left behind.
+    pub fn see(&mut self, time: Value, is_last: Value) {
         let kernel = self.kernel;
-        for slot in &kernel.seen {
-            let value = self.get(*slot);
-            self.store(value, self.slots[4], *slot as usize);
+        let [leave, go_on] = [(); 2].map(|()| self.build.create_block());
+        let seen: Vec<Value> = kernel.seen.iter().map(|slot| self.get(*slot)).collect();
+        self.build.ins().brif(is_last, leave, &[], go_on, &[]);
+        self.build.switch_to_block(leave);
+        for (slot, value) in kernel.seen.iter().zip(&seen) {
+            self.store(*value, self.slots[4], *slot as usize);
         }
-        let values: Vec<Value> = kernel.turning.iter().map(|index| self.get(kernel.seen[*index])).collect();
+        self.build.ins().jump(go_on, &[]);
+        self.build.switch_to_block(go_on);
+        let values: Vec<Value> = kernel.turning.iter().map(|index| seen[*index]).collect();
         let pointer = self.pointer;
         let sides = [
             (FloatCC::LessThan, offset_of!(Memory, least), offset_of!(Memory, least_at)),
@@ -104,8 +108,8 @@ impl Emitter<'_, '_> {
     }
 
     fn pair(&mut self, [one, other]: [Value; 2]) -> Value {
-        let pair = self.build.ins().scalar_to_vector(types::F64X2, one);
-        self.build.ins().insertlane(pair, other, 1)
+        let pair = self.build.ins().splat(types::F64X2, other);
+        self.build.ins().insertlane(pair, one, 0)
     }
 
     fn see_one(&mut self, value: Value, time: Value, is: FloatCC, index: usize, [extremes, at]: [Value; 2]) {
