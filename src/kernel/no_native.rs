@@ -1,7 +1,8 @@
 //! Native code where none can be made.
 
 use super::Kernel;
-use super::frame::{Frame, Look, Steps};
+use super::frame::Frame;
+use super::step::{Look, Steps};
 
 /// There is none.
 #[derive(Debug)]

@@ -82,7 +82,9 @@ impl Flight {
     /// Goes over to the other side of a corner on which it is. Tells whether the kernel holds there.
     fn cross(&mut self, machine: &Machine<'_>, met: Met) -> bool {
         let (kernel, frame) = (&self.folded.kernel, &mut self.frame);
-        kernel.cross(frame, machine.program, &machine.coefficients, 0, met)
+        let holds = kernel.cross(frame, machine.program, &machine.coefficients, 0, met);
+        self.is_due = !holds;
+        holds
     }
 
     /// When it is.

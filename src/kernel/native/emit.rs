@@ -86,7 +86,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     pub fn load(&mut self, base: Value, index: usize) -> Value {
-        self.build.ins().load(types::F64, constant(), base, 8 * index as i32)
+        self.build.ins().load(types::F64, MemFlagsData::trusted(), base, 8 * index as i32)
     }
 
     pub fn store(&mut self, value: Value, base: Value, index: usize) {

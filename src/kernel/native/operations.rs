@@ -23,7 +23,7 @@ impl Emitter<'_, '_> {
             constant()
         };
         let value = match self.kernel.number(slot) {
-            Some(0.0) => self.number(0.0),
+            Some(value) if value.to_bits() == 0 => self.number(0.0),
             _ => self.build.ins().load(types::F64, flags, self.slots[self.stage], 8 * slot as i32),
         };
         self.values[place] = Some(value);

@@ -99,7 +99,13 @@ impl Emitter<'_, '_> {
                         self.build.ins().load(types::F64, MemFlagsData::trusted(), base, 8 * first as i32);
                     self.build.ins().splat(types::F64X2, known)
                 } else {
-                    self.build.ins().load(types::F64X2, MemFlagsData::trusted(), base, 8 * first as i32)
+                    // Aligned as one number is, not as two.
+                    self.build.ins().load(
+                        types::F64X2,
+                        MemFlagsData::new().with_notrap(),
+                        base,
+                        8 * first as i32,
+                    )
                 };
                 compared.push(self.build.ins().fcmp(is, both, known));
             }
