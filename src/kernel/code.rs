@@ -10,12 +10,6 @@ pub(super) type Slot = u32;
 /// An operation on slots.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Instruction {
-    /// factor x a.
-    Scaled {
-        out: Slot,
-        factor: Slot,
-        a: Slot,
-    },
     /// constant + factor x a.
     Line {
         out: Slot,
@@ -88,9 +82,6 @@ impl Code {
     pub fn run<V: Lane>(&self, slots: &mut [V], tables: &[Vec<[f64; 2]>]) {
         for instruction in &self.instructions {
             let (out, value) = match *instruction {
-                Instruction::Scaled { out, factor, a } => {
-                    (out, slots[factor as usize].multiply(slots[a as usize]))
-                }
                 Instruction::Line { out, constant, factor, a } => {
                     let [constant, factor, a] = [constant, factor, a].map(|slot| slots[slot as usize]);
                     (out, factor.multiply_add(a, constant))

@@ -237,23 +237,22 @@ impl Layouter {
             Node::State(_) | Node::Time | Node::Kept(_) | Node::Noise(_) => return,
             Node::Sum(form) => {
                 let constant = self.factor(form.constant);
-                // What comes last is added last, so that it is waited for but once.
-                let mut terms = form.terms.clone();
-                terms.sort_by_key(|(atom, _)| self.depths[*atom as usize]);
-                let terms =
-                    terms.into_iter().map(|(atom, factor)| (self.factor(factor), self.slots[atom as usize]));
-                let first = code.terms.len() as u32;
                 match form.terms[..] {
                     [(atom, factor)] => {
                         let (factor, a) = (self.factor(factor), self.slots[atom as usize]);
                         if form.constant.is(0.0) {
-                            Instruction::Scaled { out, factor, a }
+                            Instruction::Multiply { out, a: factor, b: a }
                         } else {
                             Instruction::Line { out, constant, factor, a }
                         }
                     }
                     _ => {
-                        code.terms.extend(terms);
+                        // What comes last is added last, so that it is waited for but once.
+                        let mut terms = form.terms.clone();
+                        terms.sort_by_key(|(atom, _)| self.depths[*atom as usize]);
+                        let first = code.terms.len() as u32;
+                        let slots = |(atom, factor)| (self.factor(factor), self.slots[atom as usize]);
+                        code.terms.extend(terms.into_iter().map(slots));
                         Instruction::Sum { out, constant, first, count: form.terms.len() as u32 }
                     }
                 }

@@ -1,8 +1,8 @@
 //! On which sides of the corners the voltages are, and what they may not pass.
 
-use super::code::Slot;
 use std::ops::Range;
 
+use super::code::Slot;
 use super::frame::Frame;
 use super::lane::Lane;
 use super::{Kernel, Posted, Watched};

@@ -40,10 +40,6 @@ impl Emitter<'_, '_> {
 
     fn instruction(&mut self, code: &Code, instruction: Instruction) -> (Slot, Value) {
         match instruction {
-            Instruction::Scaled { out, factor, a } => {
-                let [factor, a] = [factor, a].map(|slot| self.get(slot));
-                (out, self.build.ins().fmul(factor, a))
-            }
             Instruction::Line { out, constant, factor, a } => {
                 let [factor, a, constant] = [factor, a, constant].map(|slot| self.get(slot));
                 (out, self.build.ins().fma(factor, a, constant))
