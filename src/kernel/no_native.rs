@@ -13,11 +13,11 @@ impl Native {
         None
     }
 
-    pub fn steps(&self, _: &Kernel, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: &Steps) -> u64 {
+    pub fn steps(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: &Steps) -> u64 {
         match *self {}
     }
 
-    pub fn look(&self, _: &Kernel, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: f64) -> Look {
+    pub fn look(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: f64) -> Look {
         match *self {}
     }
 }

@@ -72,7 +72,7 @@ impl Folded {
         backend: Backend,
     ) -> u64 {
         if let Some(native) = self.native(backend) {
-            return native.steps(&self.kernel, frame, tables, steps);
+            return native.steps(frame, tables, steps);
         }
         let gone = self.kernel.steps(frame, tables, steps);
         if backend == Backend::Automatic {
@@ -90,7 +90,7 @@ impl Folded {
         backend: Backend,
     ) -> Look {
         if let Some(native) = self.native(backend) {
-            return native.look(&self.kernel, frame, tables, length);
+            return native.look(frame, tables, length);
         }
         self.kernel.look_ahead(frame, tables, length)
     }

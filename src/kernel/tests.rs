@@ -11,6 +11,8 @@ mod dice;
 use dice::Dice;
 
 use super::Kernel;
+#[cfg(feature = "native")]
+use super::Native;
 use crate::patch::Patch;
 use crate::program::{Program, Register, Scratch, Sources};
 
@@ -153,4 +155,33 @@ fn signs_gains_and_potentiometers_leave_sums() {
     assert!(kernel.moving.instructions.len() <= 4, "{:?}", kernel.moving);
     // Five corners, and no amplifier twice that gives the negative of another.
     assert!(kernel.watches.len() <= 18, "{:?}", kernel.watches);
+}
+
+/// Integrators one after the other, so many of them.
+#[cfg(feature = "native")]
+fn chain(count: usize) -> Kernel {
+    let mut builder = common::volts("chain");
+    for number in 0..count {
+        let before = format!("A{}", number.max(1) - 1);
+        let integrator = common::element("integrator").cords("x1", [before.as_str()]);
+        builder = builder.element(&format!("A{number}"), integrator);
+    }
+    let program = common::built(builder);
+    let modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
+    Kernel::new(&program, &modes, &[]).unwrap()
+}
+
+#[cfg(feature = "native")]
+#[test]
+fn native_code_is_made_of_kernels_of_moderate_size() {
+    assert!(Native::new(&chain(10)).is_some());
+    assert!(Native::new(&chain(2000)).is_none());
+}
+
+#[cfg(feature = "native")]
+#[test]
+#[should_panic(expected = "a frame of another kernel")]
+fn native_code_takes_no_frame_of_another_kernel() {
+    let native = Native::new(&chain(2)).unwrap();
+    native.look(&mut chain(1).frame(), &[], 1e-3);
 }

@@ -18,6 +18,7 @@ use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module, ModuleError, default_libcall_names};
 
+use super::code::{Code, Instruction};
 use super::frame::{Extremes, Frame};
 use super::step::{Look, Steps};
 use super::{Checks, Kernel};
@@ -31,10 +32,17 @@ pub(crate) struct Native {
     look: Entry,
     /// Owns the code.
     module: Option<JITModule>,
-    slots: usize,
+    /// The lengths of the frames for which it was made.
+    lengths: Lengths,
+    /// So many tables are looked up, the first.
+    tables: usize,
 }
 
-type Entry = extern "C" fn(*mut Memory) -> u64;
+/// Code that reaches what its memory points to, at the places that frames and tables of its kernel have.
+type Entry = unsafe extern "C" fn(*mut Memory) -> u64;
+
+/// How many numbers stand behind each pointer to a frame.
+type Lengths = [usize; 13];
 
 /// What the code reaches.
 #[repr(C)]
@@ -71,85 +79,127 @@ struct Memory {
     two: f64,
 }
 
-/// Kernels of more operations than this are interpreted: making the code would take longer than it saves.
-const MOST_OPERATIONS: usize = 4000;
+/// Kernels whose code would have more operations than this are interpreted: making it takes a second, and from there on
+/// longer than in proportion.
+const MOST_OPERATIONS: usize = 16_000;
 
 impl Native {
     /// The native code of a kernel; nothing where this processor, or the kernel, is none for it.
     pub fn new(kernel: &Kernel) -> Option<Native> {
-        let Checks { middle, ending, .. } = &kernel.thorough;
-        let codes = [&kernel.moving, middle, ending];
-        let operations: usize = codes.iter().map(|code| code.instructions.len() + code.terms.len()).sum();
-        if operations > MOST_OPERATIONS {
-            return None;
-        }
-        made(kernel).ok().flatten()
+        (operations(kernel) <= MOST_OPERATIONS).then(|| made(kernel).ok().flatten()).flatten()
     }
 
     /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
-    pub fn steps(
-        &self,
-        kernel: &Kernel,
-        frame: &mut Frame<f64>,
-        tables: &[Vec<[f64; 2]>],
-        steps: &Steps,
-    ) -> u64 {
+    pub fn steps(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
         let (step, per_second) = steps.grid.numbers();
-        let mut memory = self.memory(kernel, frame, tables);
-        memory =
-            Memory { begin: steps.begin, step, per_second, first: steps.first, count: steps.count, ..memory };
-        let gone = (self.run)(&raw mut memory);
-        frame.time = memory.time;
+        let (gone, time) = self.enter(self.run, frame, tables, |memory| {
+            let (begin, first, count) = (steps.begin, steps.first, steps.count);
+            Memory { begin, step, per_second, first, count, ..memory }
+        });
+        frame.time = time;
         gone
     }
 
     /// Looks ahead by a step of this length.
-    pub fn look(
-        &self,
-        kernel: &Kernel,
-        frame: &mut Frame<f64>,
-        tables: &[Vec<[f64; 2]>],
-        length: f64,
-    ) -> Look {
+    pub fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> Look {
         let end = frame.time + length;
-        let mut memory = Memory { length, end, ..self.memory(kernel, frame, tables) };
-        match (self.look)(&raw mut memory) {
+        match self.enter(self.look, frame, tables, |memory| Memory { length, end, ..memory }).0 {
             0 => Look::Quiet,
             1 => Look::Within,
             _ => Look::Ahead,
         }
     }
 
-    /// The numbers of a frame, which is one of this kernel's.
-    fn memory(&self, kernel: &Kernel, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) -> Memory {
-        assert_eq!((self.slots, frame.slots.len()), (kernel.layout.all, kernel.layout.all));
-        let Extremes { least, least_at, most, most_at } = &mut frame.extremes;
-        Memory {
-            slots: [frame.slots.as_mut_ptr(); 5],
-            states: frame.states.as_mut_ptr(),
-            rates: frame.rates.as_mut_ptr(),
-            slopes: frame.slopes.as_ptr(),
-            rooms: frame.rooms.as_ptr(),
-            lows: frame.lows.as_ptr(),
-            highs: frame.highs.as_ptr(),
-            least: least.as_mut_ptr(),
-            least_at: least_at.as_mut_ptr(),
-            most: most.as_mut_ptr(),
-            most_at: most_at.as_mut_ptr(),
-            rates_ahead: frame.stages[3].as_mut_ptr(),
-            rests: frame.rests.as_mut_ptr(),
-            length: 0.0,
-            end: 0.0,
-            tables: tables.as_ptr(),
-            time: frame.time,
-            begin: 0.0,
-            step: 0.0,
-            per_second: 1.0,
-            first: 0,
-            count: 0,
-            half: 0.5,
-            two: 2.0,
-        }
+    /// Runs code of this kernel on a frame and tables, told what to do in its memory: what it gives, and the time to which
+    /// it came.
+    fn enter(
+        &self,
+        code: Entry,
+        frame: &mut Frame<f64>,
+        tables: &[Vec<[f64; 2]>],
+        told: impl FnOnce(Memory) -> Memory,
+    ) -> (u64, f64) {
+        assert!(lengths(frame) == self.lengths && tables.len() >= self.tables, "a frame of another kernel");
+        let mut memory = told(memory(frame, tables));
+        // SAFETY: the code reaches places below the lengths for which it was made, which were compared; frame and tables
+        // are borrowed until it is done.
+        let given = unsafe { code(&raw mut memory) };
+        (given, memory.time)
+    }
+}
+
+/// How many operations the code of a kernel has, for a step and for a look: each has four stages, and checks in its middle
+/// and at its end.
+fn operations(kernel: &Kernel) -> usize {
+    let length = |code: &Code| code.instructions.len() + code.terms.len();
+    let whole = |checks: &Checks| {
+        let looked_at = checks.in_middle + checks.all;
+        4 * length(&kernel.moving) + 2 * length(&checks.middle) + length(&checks.ending) + looked_at
+    };
+    whole(&kernel.quick) + whole(&kernel.thorough)
+}
+
+/// How many numbers of a frame the code may reach, in the order of the pointers in its memory.
+fn lengths(frame: &Frame<f64>) -> Lengths {
+    let Extremes { least, least_at, most, most_at } = &frame.extremes;
+    [
+        &frame.slots,
+        &frame.states,
+        &frame.rates,
+        &frame.slopes,
+        &frame.rooms,
+        &frame.lows,
+        &frame.highs,
+        least,
+        least_at,
+        most,
+        most_at,
+        &frame.stages[3],
+        &frame.rests,
+    ]
+    .map(Vec::len)
+}
+
+/// How many tables of a program, the first, hold all that a kernel looks up.
+fn tables(kernel: &Kernel) -> usize {
+    let checks =
+        [&kernel.quick, &kernel.thorough].into_iter().flat_map(|checks| [&checks.middle, &checks.ending]);
+    let instructions = checks.chain([&kernel.moving]).flat_map(|code| &code.instructions);
+    let above = instructions.map(|instruction| match instruction {
+        Instruction::Table { table, .. } => *table as usize + 1,
+        _ => 0,
+    });
+    above.max().unwrap_or(0)
+}
+
+/// The numbers of a frame; nothing is told yet of steps or of a look.
+fn memory(frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) -> Memory {
+    let Extremes { least, least_at, most, most_at } = &mut frame.extremes;
+    Memory {
+        slots: [frame.slots.as_mut_ptr(); 5],
+        states: frame.states.as_mut_ptr(),
+        rates: frame.rates.as_mut_ptr(),
+        slopes: frame.slopes.as_ptr(),
+        rooms: frame.rooms.as_ptr(),
+        lows: frame.lows.as_ptr(),
+        highs: frame.highs.as_ptr(),
+        least: least.as_mut_ptr(),
+        least_at: least_at.as_mut_ptr(),
+        most: most.as_mut_ptr(),
+        most_at: most_at.as_mut_ptr(),
+        rates_ahead: frame.stages[3].as_mut_ptr(),
+        rests: frame.rests.as_mut_ptr(),
+        length: 0.0,
+        end: 0.0,
+        tables: tables.as_ptr(),
+        time: frame.time,
+        begin: 0.0,
+        step: 0.0,
+        per_second: 1.0,
+        first: 0,
+        count: 0,
+        half: 0.5,
+        two: 2.0,
     }
 }
 
@@ -205,11 +255,11 @@ fn made(kernel: &Kernel) -> Result<Option<Native>, Box<ModuleError>> {
     module.finalize_definitions()?;
     let [run, look] = [run, look].map(|function| {
         let code = module.get_finalized_function(function);
-
         // SAFETY: both functions were declared with this signature.
         unsafe { std::mem::transmute::<*const u8, Entry>(code) }
     });
-    Ok(Some(Native { run, look, module: Some(module), slots: kernel.layout.all }))
+    let (lengths, tables) = (lengths(&kernel.frame()), tables(kernel));
+    Ok(Some(Native { run, look, module: Some(module), lengths, tables }))
 }
 
 /// A function that the code calls, and that gives a number.
