@@ -1,5 +1,6 @@
 //! What a kernel runs on.
 
+use super::known::Known;
 use super::lane::Lane;
 use super::{Kernel, Layout};
 
@@ -22,6 +23,8 @@ pub(crate) struct Frame<V> {
     pub(super) rests: Vec<V>,
     /// What is given of the corners, lane after lane: on which side voltages are.
     pub(super) given: Vec<f64>,
+    /// What followed from the sides on which the voltages of every lane were before.
+    pub(super) known: Vec<Vec<Known>>,
     /// Room for the operations of the prologue.
     pub(super) early: Vec<f64>,
     /// Slope and room of every watch.
@@ -66,6 +69,7 @@ impl Kernel {
             present: zeros(self.watches.len()),
             rests: zeros(self.watches.len()),
             given: vec![0.0; V::COUNT * self.given],
+            known: vec![Vec::new(); V::COUNT],
             early: Vec::with_capacity(self.early.len()),
             slopes: zeros(self.watches.len()),
             rooms: zeros(self.watches.len()),
@@ -77,9 +81,14 @@ impl Kernel {
 
     /// Works everything out where the frame is.
     pub fn show<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
-        let states = self.layout.states..self.layout.time;
-        frame.slots[states].copy_from_slice(&frame.states);
-        self.run_all(frame, tables, frame.time);
+        self.stay(frame);
+        self.work_out(frame, tables);
+    }
+
+    /// What is worked out next is worked out where the frame is.
+    pub fn stay<V: Lane>(&self, frame: &mut Frame<V>) {
+        frame.slots[self.layout.states..self.layout.time].copy_from_slice(&frame.states);
+        frame.slots[self.layout.time] = V::splat(frame.time);
     }
 
     /// When the last stretch that was gone alone began, and how long it was.
@@ -87,15 +96,9 @@ impl Kernel {
         [frame.last.time, frame.time - frame.last.time]
     }
 
-    /// Works everything out at an instant within that stretch, by the cubic through states and rates at its ends, whose
-    /// shares are given.
-    pub fn look_back<V: Lane>(
-        &self,
-        frame: &mut Frame<V>,
-        tables: &[Vec<[f64; 2]>],
-        time: f64,
-        [states, rates]: [[f64; 2]; 2],
-    ) {
+    /// What is worked out next is worked out at an instant within that stretch, on the cubic through states and rates at its
+    /// ends, whose shares are given.
+    pub fn go_back<V: Lane>(&self, frame: &mut Frame<V>, time: f64, [states, rates]: [[f64; 2]; 2]) {
         let [states, rates] = [states, rates].map(|shares| shares.map(V::splat));
         for index in 0..frame.states.len() {
             let last = &frame.last;
@@ -103,14 +106,7 @@ impl Kernel {
             let end = frame.states[index].multiply(states[1]).add(frame.rates[index].multiply(rates[1]));
             frame.slots[self.layout.states + index] = begin.add(end);
         }
-        self.run_all(frame, tables, time);
-    }
-
-    fn run_all<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], time: f64) {
         frame.slots[self.layout.time] = V::splat(time);
-        for code in [&self.moving, &self.thorough.middle, &self.thorough.ending] {
-            code.run(&mut frame.slots, tables);
-        }
     }
 }
 
@@ -163,8 +159,10 @@ impl<V: Lane> Frame<V> {
         Some(self.extremes.in_order(place, lane))
     }
 
-    /// Takes what was looked at, no step away, as the present.
+    /// Takes what was worked out last, no step away, as the present.
     pub fn stand(&mut self) {
+        let [.., rates] = &self.stages;
+        self.rates.copy_from_slice(rates);
         self.present.copy_from_slice(&self.rests);
     }
 

@@ -13,6 +13,7 @@ mod code;
 mod fold;
 mod form;
 mod frame;
+mod known;
 mod lane;
 mod layout;
 #[cfg(feature = "native")]

@@ -20,4 +20,8 @@ impl Native {
     pub fn look(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: f64) -> Look {
         match *self {}
     }
+
+    pub fn work_out(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>]) {
+        match *self {}
+    }
 }

@@ -11,6 +11,10 @@ use crate::program::{ON_THE_KINK, Program, segment};
 /// So many volts beyond a corner a voltage is on the other side.
 const BEYOND: f64 = 10.0 * ON_THE_KINK;
 
+/// So much is left of a corner's watch where a step ends on it: past the corner, by no more than the watch lets pass. What a
+/// diode holds back is not beyond its limit then.
+const PAST: f64 = 0.5 * ON_THE_KINK;
+
 /// Something met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Met {
@@ -23,9 +27,9 @@ pub(crate) struct Met {
 }
 
 impl Met {
-    /// Within so many volts of it a step may end on either side; 0 where it must end past it.
+    /// Within so many volts of where it is met a step may end; 0 where it must end past it.
     pub fn room(self) -> f64 {
-        0.5 * self.rest
+        self.rest
     }
 }
 
@@ -40,13 +44,18 @@ impl Kernel {
         lane: usize,
         mut is_due: bool,
     ) -> bool {
+        if is_due {
+            frame.known[lane].clear();
+        }
         // A corner may lie behind others: one at least is settled in each round.
         for _ in 0..self.corners + 2 {
             let fits = !is_due || self.put_factors(frame, program, coefficients, lane);
             self.show(frame, &program.tables);
             is_due = self.take_sides(frame, &program.tables, lane);
             if !is_due {
-                self.bind(frame, &program.tables, lane);
+                self.bind(frame, &program.tables, lane, 0..self.watches.len());
+                self.put_fences(frame, lane);
+                self.rest(frame, self.watches.len());
                 return self.stand(frame, lane) && fits;
             }
         }
@@ -86,8 +95,14 @@ impl Kernel {
     }
 
     /// Binds what is watched: corners keep the side on which they are.
-    fn bind<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], lane: usize) {
-        for watch in 0..self.watches.len() {
+    pub(super) fn bind<V: Lane>(
+        &self,
+        frame: &mut Frame<V>,
+        tables: &[Vec<[f64; 2]>],
+        lane: usize,
+        watches: Range<usize>,
+    ) {
+        for watch in watches {
             let value = self.watches[watch].value(&frame.slots).get(lane);
             self.bind_one(frame, tables, lane, watch, value);
         }
@@ -107,21 +122,16 @@ impl Kernel {
         frame.rooms[watch].set(lane, room);
     }
 
-    /// Takes the voltages worked out last as those of the present. Tells whether all but those that are at a corner are
-    /// within their bounds.
-    fn stand<V: Lane>(&self, frame: &mut Frame<V>, lane: usize) -> bool {
-        self.put_fences(frame, lane);
-        (0..self.watches.len()).fold(true, |all, watch| {
-            let value = self.watches[watch].value(&frame.slots).get(lane);
-            let [slope, room] = [&frame.slopes, &frame.rooms].map(|line| line[watch].get(lane));
-            let rest = value.mul_add(slope, room);
-            frame.present[watch].set(lane, rest);
-            all && (rest >= 0.0 || self.is_corner(watch))
-        })
+    /// Takes what was worked out last, no step away, as the present. Tells whether all but those that are at a corner
+    /// are within their bounds.
+    pub fn stand<V: Lane>(&self, frame: &mut Frame<V>, lane: usize) -> bool {
+        frame.stand();
+        let beyond = self.short(frame, lane, self.corners..self.watches.len()).next();
+        beyond.is_none()
     }
 
     /// Puts the fences where the watches are that they stand for.
-    fn put_fences<V: Lane>(&self, frame: &mut Frame<V>, lane: usize) {
+    pub(super) fn put_fences<V: Lane>(&self, frame: &mut Frame<V>, lane: usize) {
         for (index, fence) in self.fences.iter().enumerate() {
             let mut range = [f64::NEG_INFINITY, f64::INFINITY];
             for Posted { watch, line } in &fence.watches {
@@ -168,14 +178,14 @@ impl Kernel {
         let range = || self.short(frame, lane, self.thorough.in_middle..self.thorough.all).next();
         let watch = guard.or_else(|| self.passed(frame, lane).next()).or_else(range)?;
         let is_corner = self.is_corner(watch);
-        Some(Met { watch, rest: if is_corner { ON_THE_KINK } else { 0.0 }, is_corner })
+        Some(Met { watch, rest: if is_corner { PAST } else { 0.0 }, is_corner })
     }
 
     /// A corner on which the frame is, and that it left on its other side.
     pub fn left_behind<V: Lane>(&self, frame: &Frame<V>, lane: usize) -> Option<Met> {
         let is_near = |watch: &usize| frame.present[*watch].get(lane) <= 3.0 * ON_THE_KINK;
         let watch = self.passed(frame, lane).find(is_near)?;
-        Some(Met { watch, rest: ON_THE_KINK, is_corner: true })
+        Some(Met { watch, rest: PAST, is_corner: true })
     }
 
     /// The corners that were passed; without their room where a range shows what lies beyond one of them.
@@ -207,8 +217,8 @@ impl Kernel {
         met.rest - frame.present[met.watch].get(lane)
     }
 
-    /// Goes over to the other side of a corner on which the frame is, and works everything out there. Tells whether the
-    /// kernel holds there.
+    /// Goes over to the other side of a corner on which the frame is; everything has to be worked out there then. Tells
+    /// whether the factors can be used there.
     pub fn cross<V: Lane>(
         &self,
         frame: &mut Frame<V>,
@@ -230,12 +240,7 @@ impl Kernel {
             self.take_side(frame, &program.tables, lane, watch, beyond);
             self.bind_one(frame, &program.tables, lane, watch, beyond);
         }
-        let fits = self.put_factors(frame, program, coefficients, lane);
-        self.show(frame, &program.tables);
-        for (rate, slot) in frame.rates.iter_mut().zip(&self.rates) {
-            *rate = frame.slots[*slot as usize];
-        }
-        self.stand(frame, lane) && fits
+        self.follow(frame, program, coefficients, lane)
     }
 }
 

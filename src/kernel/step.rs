@@ -84,6 +84,16 @@ impl Kernel {
         self.keep(frame, stage);
     }
 
+    /// Works everything out at the states and the time in the slots: rates as those of the last stage.
+    #[inline(always)]
+    fn at_slots<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
+        for code in [&self.moving, &self.thorough.middle, &self.thorough.ending] {
+            code.run(&mut frame.slots, tables);
+        }
+        self.keep(frame, 3);
+        self.rest(frame, self.watches.len());
+    }
+
     #[inline(always)]
     fn keep<V: Lane>(&self, frame: &mut Frame<V>, stage: usize) {
         for (rate, slot) in frame.stages[stage].iter_mut().zip(&self.rates) {
@@ -93,7 +103,7 @@ impl Kernel {
 
     /// Works out what is left of the first watches, and tells whether that is nowhere below 0.
     #[inline(always)]
-    fn rest<V: Lane>(&self, frame: &mut Frame<V>, watches: usize) -> bool {
+    pub(super) fn rest<V: Lane>(&self, frame: &mut Frame<V>, watches: usize) -> bool {
         let lines = frame.slopes.iter().zip(&frame.rooms).zip(&mut frame.rests);
         let all = self.watches[..watches].iter().zip(lines);
         let zero = V::splat(0.0);
@@ -166,6 +176,11 @@ impl Kernel {
         Arch::new().dispatch(AllSteps { kernel: self, frame, tables, grid })
     }
 
+    /// Works everything out at the states and the time in the slots.
+    pub fn work_out<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
+        Arch::new().dispatch(AtSlots { kernel: self, frame, tables });
+    }
+
     /// Looks ahead by a step of this length.
     pub fn look_ahead<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], length: f64) -> Look {
         Arch::new().dispatch(OneLook { kernel: self, frame, tables, length })
@@ -197,6 +212,21 @@ impl<V: Lane> NullaryFnOnce for AllSteps<'_, V> {
     #[inline(always)]
     fn call(self) -> u64 {
         self.kernel.all_steps(self.frame, self.tables, self.grid)
+    }
+}
+
+struct AtSlots<'a, V> {
+    kernel: &'a Kernel,
+    frame: &'a mut Frame<V>,
+    tables: &'a [Vec<[f64; 2]>],
+}
+
+impl<V: Lane> NullaryFnOnce for AtSlots<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.kernel.at_slots(self.frame, self.tables);
     }
 }
 

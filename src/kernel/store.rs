@@ -95,6 +95,14 @@ impl Folded {
         self.kernel.look_ahead(frame, tables, length)
     }
 
+    /// Works everything out at the states and the time in the slots.
+    pub fn work_out(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], backend: Backend) {
+        match self.native(backend) {
+            Some(native) => native.work_out(frame, tables),
+            None => self.kernel.work_out(frame, tables),
+        }
+    }
+
     fn native(&self, backend: Backend) -> Option<&Native> {
         let wanted = match backend {
             Backend::Native => true,

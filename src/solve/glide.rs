@@ -25,6 +25,7 @@ pub(super) struct Glider {
 #[derive(Debug, Clone)]
 pub(super) struct Flight {
     folded: Arc<Folded>,
+    backend: Backend,
     frame: Frame<f64>,
     /// Whether the factors have to be worked out for the machine's coefficients.
     is_due: bool,
@@ -60,7 +61,7 @@ impl Glider {
         if self.flights.len() == MOST_FLIGHTS {
             self.flights.remove(0);
         }
-        self.flights.push(Flight { folded, frame, is_due: true });
+        self.flights.push(Flight { folded, backend: self.backend, frame, is_due: true });
         Some(self.flights.len() - 1)
     }
 }
@@ -81,10 +82,17 @@ impl Flight {
 
     /// Goes over to the other side of a corner on which it is. Tells whether the kernel holds there.
     fn cross(&mut self, machine: &Machine<'_>, met: Met) -> bool {
-        let (kernel, frame) = (&self.folded.kernel, &mut self.frame);
-        let holds = kernel.cross(frame, machine.program, &machine.coefficients, 0, met);
+        let Flight { folded, frame, .. } = self;
+        let fits = folded.kernel.cross(frame, machine.program, &machine.coefficients, 0, met);
+        self.show(&machine.program.tables);
+        let holds = self.folded.kernel.stand(&mut self.frame, 0) && fits;
         self.is_due = !holds;
         holds
+    }
+
+    /// Goes so many steps of a grid as long as nothing is met: how many were gone.
+    fn steps(&mut self, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
+        self.folded.steps(&mut self.frame, tables, steps, self.backend)
     }
 
     /// When it is.
@@ -96,12 +104,14 @@ impl Flight {
     pub fn look_back(&mut self, tables: &[Vec<[f64; 2]>], time: f64) {
         let (kernel, frame) = (&self.folded.kernel, &mut self.frame);
         let [begin, length] = kernel.last_stretch(frame);
-        kernel.look_back(frame, tables, time, cubic(length, (time - begin) / length));
+        kernel.go_back(frame, time, cubic(length, (time - begin) / length));
+        self.folded.work_out(frame, tables, self.backend);
     }
 
     /// The same where it is.
     pub fn show(&mut self, tables: &[Vec<[f64; 2]>]) {
-        self.folded.kernel.show(&mut self.frame, tables);
+        self.folded.kernel.stay(&mut self.frame);
+        self.folded.work_out(&mut self.frame, tables, self.backend);
     }
 
     /// The recorded voltages as they were worked out last.
@@ -132,7 +142,7 @@ impl Machine<'_> {
         }
         let mut glider = std::mem::take(&mut self.glider);
         let gone = match glider.flight(self) {
-            Some(index) => self.fly(&mut glider.flights[index], steps, glider.backend, witness),
+            Some(index) => self.fly(&mut glider.flights[index], steps, witness),
             None => {
                 glider.backend = Backend::Reference;
                 Ok(0)
@@ -161,7 +171,6 @@ impl Machine<'_> {
         &mut self,
         flight: &mut Flight,
         steps: Steps,
-        backend: Backend,
         witness: &mut impl Witness,
     ) -> Result<u64, RunError> {
         if !flight.begin(self) {
@@ -173,7 +182,7 @@ impl Machine<'_> {
             // Dust is swept on a grid of its own, so that what is recorded changes nothing.
             let count = left.until(witness.next_sample()).min(left.up_to_multiple_of(SWEPT));
             let block = Steps { count, ..left };
-            let done = flight.folded.steps(&mut flight.frame, &self.program.tables, &block, backend);
+            let done = flight.steps(&self.program.tables, &block);
             self.work.steps += done;
             self.work.evaluations += 4 * done;
             if done > 0 {
@@ -183,7 +192,7 @@ impl Machine<'_> {
             gone += done;
             // What is met is crossed, and a sample within a step is read off that step.
             if done < count || count == 0 {
-                is_quiet = self.fly_across(flight, left.end_of(done), backend, witness);
+                is_quiet = self.fly_across(flight, left.end_of(done), witness);
                 gone += u64::from(is_quiet);
             }
             if is_quiet && steps.after(gone).up_to_multiple_of(SWEPT) == SWEPT {
@@ -199,19 +208,12 @@ impl Machine<'_> {
 
     /// Goes on to the end of a step in which something is met, across every corner. Where it is something else, stops
     /// on the way.
-    fn fly_across(
-        &mut self,
-        flight: &mut Flight,
-        end: f64,
-        backend: Backend,
-        witness: &mut impl Witness,
-    ) -> bool {
-        for crossings in 0..MOST_CROSSINGS {
-            let Flight { folded, frame, .. } = flight;
-            let mut sight = Sight { folded, frame, backend, machine: self, last: Look::Quiet };
-            if crossings == 0 {
-                sight.stand();
-            }
+    fn fly_across(&mut self, flight: &mut Flight, end: f64, witness: &mut impl Witness) -> bool {
+        flight.show(&self.program.tables);
+        flight.frame.stand();
+        for _ in 0..MOST_CROSSINGS {
+            let Flight { folded, frame, backend, .. } = flight;
+            let mut sight = Sight { folded, frame, backend: *backend, machine: self, last: Look::Quiet };
             let length = end - sight.frame.time;
             sight.look(length);
             // It goes off on the other side from where it is.
@@ -269,12 +271,6 @@ struct Sight<'a, 'p> {
 }
 
 impl Sight<'_, '_> {
-    /// Works out where it is.
-    fn stand(&mut self) {
-        self.last = self.folded.look(self.frame, &self.machine.program.tables, 0.0, self.backend);
-        self.frame.stand();
-    }
-
     fn accept(&mut self, time: f64) {
         self.machine.work.steps += 1;
         self.folded.kernel.take(self.frame, time);

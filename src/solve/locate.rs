@@ -47,28 +47,28 @@ pub(super) fn first_event<A: Ahead>(ahead: &mut A, length: f64) -> (f64, Option<
     (share, first)
 }
 
-/// The share of the step looked at after which the first event comes, by false position (Illinois) on its excess,
-/// kept safe by halving.
+/// The share of the step looked at after which the first event comes: where the curve through its last excesses is 0, kept
+/// safe by halving.
 fn located<A: Ahead>(ahead: &mut A, length: f64, mut event: A::Event) -> (f64, A::Event) {
     let mut bracket = Bracket::new(ahead.excess_now(event), ahead.excess(event));
     for look in 0..MOST_LOOKS {
         if bracket.width() <= FOUND {
             break;
         }
-        let middle = bracket.guess(look % 8 == 7);
+        let room = ahead.room(event);
+        let middle = bracket.guess(look % 8 == 7, room == 0.0);
         ahead.look(middle * length);
         match ahead.event() {
-            None => {
-                let excess = ahead.excess(event);
-                if excess.abs() < ahead.room(event) {
-                    return (middle, event);
-                }
-                bracket.raise(middle, excess);
-            }
-            Some(first) if first == event => bracket.lower(middle, ahead.excess(event)),
-            Some(first) => {
+            Some(first) if first != event => {
                 event = first;
                 bracket.change(middle, ahead.excess(event));
+            }
+            met => {
+                let excess = ahead.excess(event);
+                if excess.abs() < room {
+                    return (middle, event);
+                }
+                bracket.narrow(middle, excess, met.is_some());
             }
         }
     }
@@ -76,57 +76,63 @@ fn located<A: Ahead>(ahead: &mut A, length: f64, mut event: A::Event) -> (f64, A
     (bracket.high, event)
 }
 
-/// Shares of a step between which an event comes, with its excess at both.
+/// Shares of a step between which an event comes, and what is known of it.
 struct Bracket {
     low: f64,
     high: f64,
-    low_excess: f64,
-    high_excess: f64,
-    /// Which end was moved last: -1 the lower, 1 the upper one, 0 none yet.
-    moved: i8,
+    /// Shares with the excess there, the latest first, and how many they are.
+    latest: [[f64; 2]; 4],
+    known: usize,
 }
 
 impl Bracket {
     fn new(low_excess: f64, high_excess: f64) -> Self {
-        Bracket { low: 0.0, high: 1.0, low_excess, high_excess, moved: 0 }
+        let none = [f64::NAN; 2];
+        Bracket { low: 0.0, high: 1.0, latest: [[1.0, high_excess], [0.0, low_excess], none, none], known: 2 }
     }
 
     fn width(&self) -> f64 {
         self.high - self.low
     }
 
-    /// A place strictly between the ends: where the straight line between the excesses is 0, or half-way.
-    fn guess(&self, halve: bool) -> f64 {
+    /// A place strictly between the ends: where the curve through what is known is 0, or half-way. Where it must be met from
+    /// both sides, not too near to either end.
+    fn guess(&self, halve: bool, from_both_sides: bool) -> f64 {
         let width = self.width();
-        let line = self.low + width * self.low_excess / (self.low_excess - self.high_excess);
-        let edge = FOUND.max(width * 1e-3) * 0.5;
-        if halve || !line.is_finite() {
+        let place = self.zero();
+        let edge = if from_both_sides { FOUND.max(width * 1e-3) } else { FOUND } * 0.5;
+        if halve || !(self.low..=self.high).contains(&place) {
             self.low + 0.5 * width
         } else {
-            line.clamp(self.low + edge, self.high - edge)
+            place.clamp(self.low + edge, self.high - edge)
         }
     }
 
-    /// Moves the lower end. An upper end that stays twice counts half (Illinois).
-    fn raise(&mut self, to: f64, excess: f64) {
-        (self.low, self.low_excess) = (to, excess);
-        if self.moved == -1 {
-            self.high_excess *= 0.5;
+    /// Where the excess would be 0 if the share were a polynomial of it (Lagrange); none of a single share.
+    fn zero(&self) -> f64 {
+        let known = &self.latest[..self.known];
+        let weight = |excess: f64| -> f64 {
+            let others = known.iter().filter(|[_, other]| *other != excess);
+            others.map(|[_, other]| other / (other - excess)).product()
+        };
+        if known.len() < 2 {
+            f64::NAN
+        } else {
+            known.iter().map(|[share, excess]| share * weight(*excess)).sum()
         }
-        self.moved = -1;
     }
 
-    /// Moves the upper end; the same for the lower one.
-    fn lower(&mut self, to: f64, excess: f64) {
-        (self.high, self.high_excess) = (to, excess);
-        if self.moved == 1 {
-            self.low_excess *= 0.5;
-        }
-        self.moved = 1;
+    /// Moves one end, to where the event has come or not.
+    fn narrow(&mut self, to: f64, excess: f64, has_come: bool) {
+        *(if has_come { &mut self.high } else { &mut self.low }) = to;
+        self.latest.rotate_right(1);
+        self.latest[0] = [to, excess];
+        self.known = (self.known + 1).min(self.latest.len());
     }
 
-    /// Moves the upper end to where another event has come, of whose past nothing is known: the next guess halves.
+    /// Moves the upper end to where another event has come, of whose past nothing is known.
     fn change(&mut self, to: f64, excess: f64) {
-        (self.high, self.high_excess, self.low_excess, self.moved) = (to, excess, f64::NAN, 0);
+        self.known = 0;
+        self.narrow(to, excess, true);
     }
 }

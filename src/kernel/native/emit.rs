@@ -191,7 +191,6 @@ impl<'a, 'f> Emitter<'a, 'f> {
     /// A look ahead: 0 where nothing is met, 1 where something comes and goes, else 2.
     pub fn one_look(mut self) {
         let kernel = self.kernel;
-        let count = kernel.rates.len();
         let [time, length, end] =
             [offset_of!(Memory, time), offset_of!(Memory, length), offset_of!(Memory, end)]
                 .map(|offset| self.of_memory(types::F64, offset));
@@ -199,24 +198,50 @@ impl<'a, 'f> Emitter<'a, 'f> {
             emitter.watch(kernel.thorough.in_middle)
         });
         let ahead = self.watch(kernel.thorough.all);
+        for (index, state) in after.into_iter().enumerate() {
+            self.store(state, self.slots[4], kernel.layout.states + index);
+        }
+        self.store_end(&rates);
+        let two = self.build.ins().iconst(types::I64, 2);
+        let otherwise = self.build.ins().uextend(types::I64, within);
+        let told = self.build.ins().select(ahead, two, otherwise);
+        self.build.ins().return_(&[told]);
+        self.leave_with(0);
+    }
+
+    /// Everything at the states and the time in the slots.
+    pub fn at_slots(mut self) {
+        let kernel = self.kernel;
+        self.stage = 4;
+        self.run(&kernel.moving);
+        self.run(&kernel.thorough.middle);
+        self.run(&kernel.thorough.ending);
+        self.watch(kernel.thorough.all);
+        let rates: Vec<Value> = kernel.rates.iter().map(|slot| self.get(*slot)).collect();
+        self.store_end(&rates);
+        self.jump(self.met, &[]);
+        self.leave_with(0);
+    }
+
+    /// Writes down what is worked out at an end: rates, what is recorded, what is kept.
+    fn store_end(&mut self, rates: &[Value]) {
+        let kernel = self.kernel;
         let pointer = self.pointer;
         let rates_ahead = self.of_memory(pointer, offset_of!(Memory, rates_ahead));
-        for index in 0..count {
-            self.store(after[index], self.slots[4], kernel.layout.states + index);
-            self.store(rates[index], rates_ahead, index);
+        for (index, rate) in rates.iter().enumerate() {
+            self.store(*rate, rates_ahead, index);
         }
         for slot in kernel.seen.iter().chain(&kernel.kept) {
             let value = self.get(*slot);
             self.store(value, self.slots[4], *slot as usize);
         }
-        let two = self.build.ins().iconst(types::I64, 2);
-        let otherwise = self.build.ins().uextend(types::I64, within);
-        let told = self.build.ins().select(ahead, two, otherwise);
-        self.build.ins().return_(&[told]);
-        // Nothing leaves a look on its way.
+    }
+
+    /// The block in which the code is left with a number.
+    fn leave_with(&mut self, number: i64) {
         self.build.switch_to_block(self.met);
-        let zero = self.build.ins().iconst(types::I64, 0);
-        self.build.ins().return_(&[zero]);
+        let number = self.build.ins().iconst(types::I64, number);
+        self.build.ins().return_(&[number]);
     }
 
     /// The stages of a step to states and rates at its end, with what is checked; the middle is looked at in between.

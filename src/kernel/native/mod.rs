@@ -30,6 +30,7 @@ use emit::Emitter;
 pub(crate) struct Native {
     run: Entry,
     look: Entry,
+    at_slots: Entry,
     /// Owns the code.
     module: Option<JITModule>,
     /// The lengths of the frames for which it was made.
@@ -60,7 +61,7 @@ struct Memory {
     least_at: *mut f64,
     most: *mut f64,
     most_at: *mut f64,
-    /// Of a look: rates and what is left of the watches at its end.
+    /// Of a look, and of what is worked out at the slots: rates and what is left of the watches at its end.
     rates_ahead: *mut f64,
     rests: *mut f64,
     /// Of a look: its length, and when it ends.
@@ -108,6 +109,11 @@ impl Native {
             1 => Look::Within,
             _ => Look::Ahead,
         }
+    }
+
+    /// Works everything out at the states and the time in the slots.
+    pub fn work_out(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) {
+        self.enter(self.at_slots, frame, tables, |memory| memory);
     }
 
     /// Runs code of this kernel on a frame and tables, told what to do in its memory: what it gives, and the time to which
@@ -252,14 +258,15 @@ fn made(kernel: &Kernel) -> Result<Option<Native>, Box<ModuleError>> {
     let helpers = [call, look_up];
     let run = define(&mut module, "steps", kernel, helpers, |emitter| emitter.steps())?;
     let look = define(&mut module, "look", kernel, helpers, |emitter| emitter.one_look())?;
+    let at_slots = define(&mut module, "at_slots", kernel, helpers, |emitter| emitter.at_slots())?;
     module.finalize_definitions()?;
-    let [run, look] = [run, look].map(|function| {
+    let [run, look, at_slots] = [run, look, at_slots].map(|function| {
         let code = module.get_finalized_function(function);
-        // SAFETY: both functions were declared with this signature.
+        // SAFETY: all three functions were declared with this signature.
         unsafe { std::mem::transmute::<*const u8, Entry>(code) }
     });
     let (lengths, tables) = (lengths(&kernel.frame()), tables(kernel));
-    Ok(Some(Native { run, look, module: Some(module), lengths, tables }))
+    Ok(Some(Native { run, look, at_slots, module: Some(module), lengths, tables }))
 }
 
 /// A function that the code calls, and that gives a number.
