@@ -26,7 +26,7 @@ pub(super) struct Corner {
     pub of: Atom,
     /// The table whose points are its corners; without one, its only corner is 0.
     pub table: Option<u32>,
-    /// Which of the given numbers follow from it: whether it is 0 or above, or slope and constant of the piece.
+    /// Which of the given numbers follow from it: whether it is 0 or above, or slope, origin and ordinate of the piece.
     pub given: u32,
 }
 
@@ -34,6 +34,8 @@ pub(super) struct Corner {
 const SHARED: usize = 2;
 /// Sums of more terms than this are not gathered further.
 const LONGEST: usize = 16;
+/// Sums are not gathered into what is more than so many times as large: what 100 V lose by rounding becomes 1e-11 V.
+const STEEP: f64 = 1e3;
 
 /// Folds a program in these modes, which also gives the voltages of these registers.
 pub(super) fn folded(program: &Program, modes: &[f64], seen: &[Register]) -> Terms {
@@ -163,14 +165,16 @@ impl Folder<'_> {
         self.early.scaled(&form, sign)
     }
 
-    /// What a table gives on the piece on which it is looked up.
+    /// What a table gives on the piece on which it is looked up: ordinate + slope x (voltage - origin).
     fn piece(&mut self, table: u32, at: Register) -> Form {
         let form = self.of(at).clone();
         let of = self.atom(&form);
-        let [slope, constant] = [self.early.given(), self.early.given()];
-        self.corners.push(Corner { of, table: Some(table), given: self.early.given - 2 });
-        let line = self.early.scaled(&form, slope);
-        self.early.sum(&line, &Form::still(constant), Factor::ONE)
+        let [slope, origin, ordinate] = [(); 3].map(|()| self.early.given());
+        self.corners.push(Corner { of, table: Some(table), given: self.early.given - 3 });
+        // Worked out by itself: slope x origin would have lost the digits that count on a steep piece.
+        let beside = self.early.sum(&form, &Form::still(origin), Factor::Number(-1.0));
+        let beside = Form::atom(self.atom(&beside));
+        self.early.sum(&Form::still(ordinate), &beside, slope)
     }
 
     /// 1 where one voltage is not below another, else 0.
@@ -206,16 +210,24 @@ impl Folder<'_> {
     fn product(&mut self, a: Register, b: Register) -> Form {
         let (left, right) = (self.of(a).clone(), self.of(b).clone());
         if let Some(factor) = left.as_still() {
-            return self.early.scaled(&right, factor);
+            return self.magnified(right, factor);
         }
         if let Some(factor) = right.as_still() {
-            return self.early.scaled(&left, factor);
+            return self.magnified(left, factor);
         }
         let (left, by) = self.split(&left);
         let (right, and) = self.split(&right);
         let factor = self.early.multiply(by, and);
         let product = self.node(Node::Multiply(left, right));
         self.early.scaled(&product, factor)
+    }
+
+    /// A form times a factor. A sum that is magnified much is worked out first, as its terms have more rounding to magnify
+    /// than what they leave.
+    fn magnified(&mut self, form: Form, factor: Factor) -> Form {
+        let is_steep = matches!(factor, Factor::Number(value) if value.abs() > STEEP);
+        let form = if is_steep && form.as_still().is_none() { Form::atom(self.atom(&form)) } else { form };
+        self.early.scaled(&form, factor)
     }
 
     fn quotient(&mut self, a: Register, b: Register) -> Form {

@@ -118,8 +118,8 @@ pub(crate) struct Watch {
 pub(crate) enum Watched {
     /// A corner where it is 0; whether it is 0 or above is given at a place.
     Corner { given: usize },
-    /// A corner at the next point of a table below it, or above it, whose watch comes next; slope and constant of the
-    /// piece are given at a place and after it.
+    /// A corner at the next point of a table below it, or above it, whose watch comes next; slope, origin and ordinate of
+    /// the piece are given at a place and after it.
     Points { table: u32, above: bool, given: usize },
     /// It must stay above the number in a slot.
     Above(Slot),

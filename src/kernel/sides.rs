@@ -87,8 +87,8 @@ impl Kernel {
             Watched::Corner { given } => give(given, if value >= 0.0 { 1.0 } else { 0.0 }),
             Watched::Points { table, above: false, given } => {
                 let (ordinate, slope, origin) = segment(&tables[table as usize], value);
-                let changed = give(given, slope);
-                give(given + 1, ordinate - slope * origin) || changed
+                let piece = [slope, origin, ordinate].into_iter().zip(given..);
+                piece.fold(false, |any, (number, given)| give(given, number) || any)
             }
             _ => false,
         }

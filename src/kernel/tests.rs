@@ -10,9 +10,9 @@ mod dice;
 
 use dice::Dice;
 
-use super::Kernel;
 #[cfg(feature = "native")]
 use super::Native;
+use super::{Frame, Kernel};
 use crate::patch::Patch;
 use crate::program::{Program, Register, Scratch, Sources};
 
@@ -57,6 +57,17 @@ impl<'p> Points<'p> {
         for (volts, state) in self.states.iter_mut().zip(&self.program.states) {
             *volts += self.coefficients[state.initial as usize];
         }
+        self.settle();
+    }
+
+    /// Takes these voltages of the states, and nothing else.
+    fn stand(&mut self, states: &[f64]) {
+        self.states = states.to_vec();
+        self.settle();
+    }
+
+    /// The modes that hold there.
+    fn settle(&mut self) {
         self.modes = self.program.modes.iter().map(|mode| mode.initial).collect();
         for _ in 0..20 {
             self.evaluate();
@@ -89,11 +100,7 @@ impl<'p> Points<'p> {
         let program = self.program;
         let folded = program.kernels.of(program, &self.modes, outputs)?;
         let kernel = &folded.kernel;
-        let mut frame = kernel.frame::<f64>();
-        frame.put_standing(kernel, 0, &self.kept, &self.noise);
-        frame.states.copy_from_slice(&self.states);
-        frame.time = self.time;
-        kernel.settle(&mut frame, program, &self.coefficients, 0, true).then_some(())?;
+        let frame = self.frame(kernel)?;
         let outputs = outputs.iter().enumerate().map(|(index, register)| {
             (frame.last_seen(kernel, index, 0) - self.registers[register.index()]).abs()
         });
@@ -103,11 +110,25 @@ impl<'p> Points<'p> {
         });
         Some(outputs.chain(rates).fold(0.0, f64::max))
     }
+
+    /// A kernel's frame there; nothing where the kernel does not hold.
+    fn frame(&self, kernel: &Kernel) -> Option<Frame<f64>> {
+        let mut frame = kernel.frame::<f64>();
+        frame.put_standing(kernel, 0, &self.kept, &self.noise);
+        frame.states.copy_from_slice(&self.states);
+        frame.time = self.time;
+        kernel.settle(&mut frame, self.program, &self.coefficients, 0, true).then_some(frame)
+    }
+}
+
+/// The registers of all elements.
+fn outlets(program: &Program) -> Vec<Register> {
+    program.elements.iter().map(|outlet| outlet.register).collect()
 }
 
 /// At how many of 200 points the kernel holds; there it is held against the program.
 fn held(program: &Program, dice: &mut Dice, told: &str) -> usize {
-    let outputs: Vec<Register> = program.elements.iter().map(|outlet| outlet.register).collect();
+    let outputs = outlets(program);
     let mut points = Points::new(program);
     let mut difference = || {
         points.draw(dice);
@@ -155,6 +176,36 @@ fn signs_gains_and_potentiometers_leave_sums() {
     assert!(kernel.moving.instructions.len() <= 4, "{:?}", kernel.moving);
     // Five corners, and no amplifier twice that gives the negative of another.
     assert!(kernel.watches.len() <= 18, "{:?}", kernel.watches);
+}
+
+/// An integrator A from an initial voltage, and B, which takes what a function generator makes of A by way of a sign.
+fn generated(points: &[[f64; 2]], initial: f64) -> Program {
+    let points: Vec<Vec<f64>> = points.iter().map(|point| point.to_vec()).collect();
+    let generator = common::element("function-generator").cord("in", "S").set("points", points);
+    let builder = common::volts("steep")
+        .element("A", common::element("integrator").cords("x1", ["B"]).set("initial", initial))
+        .element("S", common::element("inverter").cord("in", "A"))
+        .element("F", generator)
+        .element("B", common::element("integrator").cords("x1", ["F"]));
+    common::built(builder)
+}
+
+/// From 0 to 100 V within two millionths of a volt, at 90 V: no curve may be steeper.
+#[test]
+fn a_steep_piece_far_from_0_loses_nothing() {
+    let steep = [[90.0, 0.0], [90.0 + 2e-6, 100.0]];
+    let inside = [[-100.0, 0.0], steep[0], steep[1], [100.0, 99.0]];
+    // On the piece, and beyond the ends of one that goes on.
+    for (points, low, high) in [(&inside[..], 0.0, 2e-6), (&steep[..], -1.9e-6, 0.0)] {
+        let program = generated(points, -90.0);
+        let mut at = Points::new(&program);
+        for share in 0..=100 {
+            let place = 90.0 + low + (high - low) * f64::from(share) / 100.0;
+            at.stand(&[-place, 0.0]);
+            let difference = at.difference(&outlets(&program)).unwrap_or_else(|| panic!("none at {place}"));
+            assert!(difference <= 1e-10, "{difference:e} V at {place}");
+        }
+    }
 }
 
 /// Integrators one after the other, so many of them.
