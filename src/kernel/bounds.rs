@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::fold::Folder;
 use super::form::{Atom, Factor, Form};
 use crate::machines::REFERENCE;
-use crate::program::{Guard, ON_THE_KINK, Op, Register};
+use crate::program::{Guard, Lamp, ON_THE_KINK};
 
 /// What has to stay between two factors.
 struct Bound {
@@ -49,19 +49,12 @@ impl Folder<'_> {
         open.map(|open| self.closed(open.guard)).collect()
     }
 
-    /// Amplifiers stay within their range, and what may be no number is one.
+    /// Amplifiers stay within their range.
     fn ranges(&self) -> Vec<Bound> {
-        let range = |register: Register, limit: f64| {
-            let [low, high] = [-limit, limit].map(Factor::Number);
-            Bound { of: self.of(register).clone(), low, high }
-        };
         // What stands just at its limit, by a diode, is not beyond it by rounding.
-        let lamps = self.program.lamps.iter().map(|lamp| range(lamp.demand, REFERENCE + ON_THE_KINK));
-        let outlets = self.program.elements.iter().map(|outlet| outlet.register);
-        let doubtful = outlets.filter(|register| {
-            matches!(self.program.body[register.index()], Op::Divide(..) | Op::Call(..) | Op::Table(..))
-        });
-        lamps.chain(doubtful.map(|register| range(register, f64::INFINITY))).collect()
+        let [low, high] = [-1.0, 1.0].map(|sign| Factor::Number(sign * (REFERENCE + ON_THE_KINK)));
+        let range = |lamp: &Lamp| Bound { of: self.of(lamp.demand).clone(), low, high };
+        self.program.lamps.iter().map(range).collect()
     }
 
     fn closed(&self, guard: Guard) -> Bound {

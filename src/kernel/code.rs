@@ -29,11 +29,6 @@ pub(super) enum Instruction {
         a: Slot,
         b: Slot,
     },
-    Divide {
-        out: Slot,
-        a: Slot,
-        b: Slot,
-    },
     Minimum {
         out: Slot,
         a: Slot,
@@ -47,13 +42,6 @@ pub(super) enum Instruction {
     Absolute {
         out: Slot,
         a: Slot,
-    },
-    Select {
-        out: Slot,
-        left: Slot,
-        right: Slot,
-        then: Slot,
-        otherwise: Slot,
     },
     Call {
         out: Slot,
@@ -95,15 +83,9 @@ impl Code {
                     (out, terms.iter().fold(start, add))
                 }
                 Instruction::Multiply { out, a, b } => (out, slots[a as usize].multiply(slots[b as usize])),
-                Instruction::Divide { out, a, b } => (out, slots[a as usize].divide(slots[b as usize])),
                 Instruction::Minimum { out, a, b } => (out, slots[a as usize].lower_of(slots[b as usize])),
                 Instruction::Maximum { out, a, b } => (out, slots[a as usize].upper_of(slots[b as usize])),
                 Instruction::Absolute { out, a } => (out, slots[a as usize].absolute()),
-                Instruction::Select { out, left, right, then, otherwise } => {
-                    let [left, right, then, otherwise] =
-                        [left, right, then, otherwise].map(|slot| slots[slot as usize]);
-                    (out, V::select(left, right, then, otherwise))
-                }
                 Instruction::Call { out, function, a, b } => {
                     (out, slots[a as usize].map(slots[b as usize], |a, b| function.apply(a, b)))
                 }

@@ -137,7 +137,7 @@ impl Folder<'_> {
             Op::Table(table, a) if self.bends(at, [a, a]) => self.piece(table, a),
             Op::Minimum(a, b) => self.lower_of(a, b),
             Op::Maximum(a, b) => self.upper_of(a, b),
-            Op::Select { left, right, then, otherwise } => self.select(at, [left, right], [then, otherwise]),
+            Op::Select { left, right, then, otherwise } => self.select([left, right], [then, otherwise]),
             op => self.other(op),
         }
     }
@@ -232,17 +232,12 @@ impl Folder<'_> {
 
     fn quotient(&mut self, a: Register, b: Register) -> Form {
         let (left, right) = (self.of(a).clone(), self.of(b).clone());
-        if let Some(divisor) = right.as_still() {
-            if let Some(factor) = left.as_still() {
-                return Form::still(self.early.divide(factor, divisor));
-            }
-            let share = self.early.divide(Factor::ONE, divisor);
-            return self.early.scaled(&left, share);
+        let divisor = right.as_still().expect("what elements divide by does not move");
+        if let Some(factor) = left.as_still() {
+            return Form::still(self.early.divide(factor, divisor));
         }
-        let (left, by) = self.split(&left);
-        let right = self.operand(&right);
-        let quotient = self.node(Node::Divide(left, right));
-        self.early.scaled(&quotient, by)
+        let share = self.early.divide(Factor::ONE, divisor);
+        self.early.scaled(&left, share)
     }
 
     /// A form as something that is multiplied by a factor.
@@ -305,16 +300,15 @@ impl Folder<'_> {
         })
     }
 
-    fn select(&mut self, at: Register, compared: [Register; 2], choice: [Register; 2]) -> Form {
-        let ([left, right], [then, otherwise]) = (compared, choice);
+    fn select(&mut self, compared: [Register; 2], choice: [Register; 2]) -> Form {
         let sides = compared.map(|register| self.of(register).as_still());
-        if let [Some(Factor::Number(left)), Some(Factor::Number(right))] = sides {
-            return self.of(if left >= right { then } else { otherwise }).clone();
+        match sides {
+            // Modes are numbers.
+            [Some(Factor::Number(left)), Some(Factor::Number(right))] => {
+                self.of(choice[usize::from(left < right)]).clone()
+            }
+            _ => self.chosen(choice, compared),
         }
-        if self.bends(at, compared) {
-            return self.chosen(choice, compared);
-        }
-        self.other(Op::Select { left, right, then, otherwise })
     }
 
     /// An operation that nothing simplifies: of the prologue where nothing in it moves.
@@ -336,12 +330,6 @@ impl Folder<'_> {
             Op::Absolute(a) => Node::Absolute(self.read(a)),
             Op::Call(function, a, b) => Node::Call(function, self.read(a), self.read(b)),
             Op::Table(table, at) => Node::Table(table, self.read(at)),
-            Op::Select { left, right, then, otherwise } => Node::Select {
-                left: self.read(left),
-                right: self.read(right),
-                then: self.read(then),
-                otherwise: self.read(otherwise),
-            },
             _ => unreachable!("a kernel is folded of programs without loops and delay lines"),
         };
         self.node(node)

@@ -22,10 +22,6 @@ pub(crate) trait Lane: Copy {
     fn multiply(self, other: Self) -> Self {
         self.map(other, |a, b| a * b)
     }
-    #[inline(always)]
-    fn divide(self, other: Self) -> Self {
-        self.map(other, |a, b| a / b)
-    }
     /// self x factor + sum, rounded once.
     #[inline(always)]
     fn multiply_add(self, factor: Self, sum: Self) -> Self {
@@ -43,15 +39,6 @@ pub(crate) trait Lane: Copy {
     #[inline(always)]
     fn absolute(self) -> Self {
         self.map(self, |a, _| a.abs())
-    }
-    #[inline(always)]
-    fn select(left: Self, right: Self, then: Self, otherwise: Self) -> Self {
-        let is_reached = left.map(right, |left, right| if left >= right { 1.0 } else { 0.0 });
-        is_reached.map3(
-            then,
-            otherwise,
-            |reached, then, otherwise| if reached == 1.0 { then } else { otherwise },
-        )
     }
     /// `then` where a < b, else `otherwise`.
     #[inline(always)]

@@ -258,17 +258,9 @@ impl Layouter {
                 }
             }
             Node::Multiply(a, b) => Instruction::Multiply { out, a: of(a), b: of(b) },
-            Node::Divide(a, b) => Instruction::Divide { out, a: of(a), b: of(b) },
             Node::Minimum(a, b) => Instruction::Minimum { out, a: of(a), b: of(b) },
             Node::Maximum(a, b) => Instruction::Maximum { out, a: of(a), b: of(b) },
             Node::Absolute(a) => Instruction::Absolute { out, a: of(a) },
-            Node::Select { left, right, then, otherwise } => Instruction::Select {
-                out,
-                left: of(left),
-                right: of(right),
-                then: of(then),
-                otherwise: of(otherwise),
-            },
             Node::Call(function, a, b) => Instruction::Call { out, function: *function, a: of(a), b: of(b) },
             Node::Table(table, a) => Instruction::Table { out, table: *table, a: of(a) },
         };

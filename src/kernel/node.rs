@@ -19,11 +19,9 @@ pub(super) enum Node {
     Noise(u32),
     Sum(Form),
     Multiply(Operand, Operand),
-    Divide(Operand, Operand),
     Minimum(Operand, Operand),
     Maximum(Operand, Operand),
     Absolute(Operand),
-    Select { left: Operand, right: Operand, then: Operand, otherwise: Operand },
     Call(Function, Operand, Operand),
     Table(u32, Operand),
 }
@@ -41,12 +39,9 @@ impl Node {
                     .collect()
             }
             Node::Absolute(a) | Node::Table(_, a) => vec![*a],
-            Node::Multiply(a, b)
-            | Node::Divide(a, b)
-            | Node::Minimum(a, b)
-            | Node::Maximum(a, b)
-            | Node::Call(_, a, b) => vec![*a, *b],
-            Node::Select { left, right, then, otherwise } => vec![*left, *right, *then, *otherwise],
+            Node::Multiply(a, b) | Node::Minimum(a, b) | Node::Maximum(a, b) | Node::Call(_, a, b) => {
+                vec![*a, *b]
+            }
         }
     }
 }
@@ -80,13 +75,11 @@ pub(super) fn key(node: &Node) -> Vec<u64> {
         Node::Noise(index) => [3, u64::from(*index)],
         Node::Sum(_) => [4, 0],
         Node::Multiply(..) => [5, 0],
-        Node::Divide(..) => [6, 0],
-        Node::Minimum(..) => [7, 0],
-        Node::Maximum(..) => [8, 0],
-        Node::Absolute(_) => [9, 0],
-        Node::Select { .. } => [10, 0],
-        Node::Call(function, ..) => [11, *function as u64],
-        Node::Table(table, _) => [12, u64::from(*table)],
+        Node::Minimum(..) => [6, 0],
+        Node::Maximum(..) => [7, 0],
+        Node::Absolute(_) => [8, 0],
+        Node::Call(function, ..) => [9, *function as u64],
+        Node::Table(table, _) => [10, u64::from(*table)],
     };
     let operands = node.operands().into_iter().flat_map(|operand| match operand {
         Operand::Factor(factor) => [u64::from(factor.key().0), factor.key().1],

@@ -52,10 +52,6 @@ impl Emitter<'_, '_> {
                 let [a, b] = [a, b].map(|slot| self.get(slot));
                 (out, self.build.ins().fmul(a, b))
             }
-            Instruction::Divide { out, a, b } => {
-                let [a, b] = [a, b].map(|slot| self.get(slot));
-                (out, self.build.ins().fdiv(a, b))
-            }
             Instruction::Minimum { out, a, b } => {
                 let [a, b] = [a, b].map(|slot| self.get(slot));
                 (out, self.choose(FloatCC::LessThan, b, a, b, a))
@@ -67,11 +63,6 @@ impl Emitter<'_, '_> {
             Instruction::Absolute { out, a } => {
                 let a = self.get(a);
                 (out, self.build.ins().fabs(a))
-            }
-            Instruction::Select { out, left, right, then, otherwise } => {
-                let [left, right, then, otherwise] =
-                    [left, right, then, otherwise].map(|slot| self.get(slot));
-                (out, self.choose(FloatCC::GreaterThanOrEqual, left, right, then, otherwise))
             }
             Instruction::Call { out, function, a, b } => {
                 let [a, b] = [a, b].map(|slot| self.get(slot));
