@@ -138,6 +138,10 @@ impl Kernel {
                 let of = |slot: Slot| frame.slots[slot as usize].get(lane);
                 let [constant, factor] = line.map_or([0.0, 1.0], |line| line.map(of));
                 let [slope, room] = [&frame.slopes, &frame.rooms].map(|all| all[*watch].get(lane));
+                // Beyond its last point a table has no corner.
+                if room == f64::INFINITY {
+                    continue;
+                }
                 // By rounding of a line a fence stands rather too near: what is met is told by the watch.
                 let rounding = line.map_or(0.0, |_| 4.0 * f64::EPSILON * (constant.abs() + room.abs()));
                 let mut keep = |slope: f64| {
@@ -228,7 +232,7 @@ impl Kernel {
         met: Met,
     ) -> bool {
         let [slope, room] = [&frame.slopes, &frame.rooms].map(|line| line[met.watch].get(lane));
-        let beyond = (frame.present[met.watch].get(lane) - room) / slope - BEYOND * slope;
+        let beyond = beyond((frame.present[met.watch].get(lane) - room) / slope, slope);
         let watches = match self.watches[met.watch].what {
             Watched::Points { above, .. } => {
                 let lower = met.watch - usize::from(above);
@@ -242,6 +246,12 @@ impl Kernel {
         }
         self.follow(frame, program, coefficients, lane)
     }
+}
+
+/// A voltage on the other side of a corner, of one that stands there and comes down this slope: far enough for it to be
+/// another number, however large it is.
+fn beyond(value: f64, slope: f64) -> f64 {
+    value - slope * BEYOND.max(4.0 * f64::EPSILON * value.abs())
 }
 
 /// Of a range of numbers x, those for which slope x + room is not below 0.
@@ -269,5 +279,18 @@ impl super::Watch {
     pub(super) fn value<V: Lane>(&self, slots: &[V]) -> V {
         let value = slots[self.slot as usize];
         if matches!(self.what, Watched::Size(_)) { value.absolute() } else { value }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beyond_a_corner_is_another_number() {
+        for value in [0.0, 1e-11, 100.0, -1e9, 1e300] {
+            assert!(beyond(value, 1.0) < value && beyond(value, -1.0) > value, "{value}");
+        }
+        assert_eq!(beyond(0.0, -1.0), BEYOND);
     }
 }

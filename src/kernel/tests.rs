@@ -12,7 +12,7 @@ use dice::Dice;
 
 #[cfg(feature = "native")]
 use super::Native;
-use super::{Frame, Kernel};
+use super::{Frame, Kernel, Posted, Watched};
 use crate::patch::Patch;
 use crate::program::{Program, Register, Scratch, Sources};
 
@@ -205,6 +205,78 @@ fn a_steep_piece_far_from_0_loses_nothing() {
             let difference = at.difference(&outlets(&program)).unwrap_or_else(|| panic!("none at {place}"));
             assert!(difference <= 1e-10, "{difference:e} V at {place}");
         }
+    }
+}
+
+/// Where a watch is met, the fence that stands for it holds nothing: at its ends, and of what is no number.
+#[test]
+fn no_fence_holds_what_a_watch_meets() {
+    let mut dice = Dice(22);
+    let shipped = common::files::shipped().into_iter().chain(common::files::of_tests());
+    let mut programs: Vec<Program> = shipped.map(|file| program(&common::patch_of(&file))).collect();
+    // Beyond the last corner of a table.
+    programs.push(generated(&[[-20.0, 0.0], [-10.0, 10.0]], 50.0));
+    let met = programs.iter().filter(|program| is_folded(program)).map(|program| {
+        let mut points = Points::new(program);
+        points.draw(&mut dice);
+        let kernel = Kernel::new(program, &points.modes, &outlets(program)).unwrap();
+        points.frame(&kernel).map_or(0, |frame| watches_met(&kernel, &frame))
+    });
+    let met: usize = met.sum();
+    assert!(met >= 500, "{met}");
+}
+
+/// How often a watch is met by what stands at the ends of its fence, or is hardly a number: never within the fence.
+fn watches_met(kernel: &Kernel, frame: &Frame<f64>) -> usize {
+    let mut met = 0;
+    for (fence, (low, high)) in kernel.fences.iter().zip(frame.lows.iter().zip(&frame.highs)) {
+        let doubtful = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN, 1e300, 0.0];
+        let ends = [low, high].map(|end| [end.next_down(), *end, end.next_up()]);
+        for value in doubtful.into_iter().chain(ends.into_iter().flatten()) {
+            let is_met = fence.watches.iter().any(|posted| is_met(kernel, frame, posted, value));
+            assert!(!is_met || !(*low..=*high).contains(&value), "{value:e} in {low:e} ... {high:e}");
+            met += usize::from(is_met);
+        }
+    }
+    met
+}
+
+/// Whether a watch at a fence is met where the fence's voltage is so large.
+fn is_met(kernel: &Kernel, frame: &Frame<f64>, posted: &Posted, voltage: f64) -> bool {
+    let line = posted.line.map(|line| line.map(|slot| frame.slots[slot as usize]));
+    let value = line.map_or(voltage, |[constant, factor]| factor.mul_add(voltage, constant));
+    let size = matches!(kernel.watches[posted.watch].what, Watched::Size(_));
+    let value = if size { value.abs() } else { value };
+    let rest = value.mul_add(frame.slopes[posted.watch], frame.rooms[posted.watch]);
+    rest < 0.0 || rest.is_nan()
+}
+
+/// Whether the kernel of a program's first modes holds where its only state is at a voltage.
+fn holds_at(program: &Program, volts: f64) -> bool {
+    let mut points = Points::new(program);
+    points.modes = program.modes.iter().map(|mode| mode.initial).collect();
+    points.states = vec![volts];
+    points.frame(&Kernel::new(program, &points.modes, &[]).unwrap()).is_some()
+}
+
+#[test]
+fn what_is_bound_by_a_guard_and_by_an_amplifier_stays_within_both() {
+    let integrator = || common::element("integrator").cords("x1", ["S"]);
+    let summer = common::element("summer").cords("x1", ["A"]);
+    let limit = serde_json::json!({"upper": 50, "drop": 0});
+    let limited = common::volts("limited").element("S", summer.clone());
+    let limited = common::built(limited.element("A", integrator().set("limit", limit)));
+    // The limit meets what passes it; the lamp lights 1e-11 V beyond 100 V.
+    for (volts, holds) in [(-101.0, false), (-99.0, true), (50.0, true), (50.1, false), (101.0, false)] {
+        assert_eq!(holds_at(&limited, volts), holds, "{volts} V");
+    }
+    let relay = common::element("relay").cord("in", "S").set("pull_in", 50).set("drop_out", 0);
+    let relay = relay.cord("on", "A").cord("off", "S");
+    let guarded = common::volts("guarded").element("A", integrator()).element("S", summer);
+    let guarded = common::built(guarded.element("R", relay));
+    // The summer changes the sign.
+    for (volts, holds) in [(-101.0, false), (-50.0, false), (-49.9, true), (99.0, true), (101.0, false)] {
+        assert_eq!(holds_at(&guarded, volts), holds, "{volts} V");
     }
 }
 

@@ -134,15 +134,15 @@ impl Native {
     }
 }
 
-/// How many operations the code of a kernel has, for a step and for a look: each has four stages, and checks in its middle
-/// and at its end.
+/// How many operations the code of a kernel has. A step and a look have four stages each, and checks in their middle and at
+/// their end; at the slots everything is worked out once.
 fn operations(kernel: &Kernel) -> usize {
     let length = |code: &Code| code.instructions.len() + code.terms.len();
-    let whole = |checks: &Checks| {
-        let looked_at = checks.in_middle + checks.all;
-        4 * length(&kernel.moving) + 2 * length(&checks.middle) + length(&checks.ending) + looked_at
-    };
-    whole(&kernel.quick) + whole(&kernel.thorough)
+    let moving = length(&kernel.moving);
+    let all = |checks: &Checks| length(&checks.middle) + length(&checks.ending) + checks.all;
+    let in_the_middle = |checks: &Checks| length(&checks.middle) + checks.in_middle;
+    let stepped = |checks: &Checks| 4 * moving + in_the_middle(checks) + all(checks);
+    stepped(&kernel.quick) + stepped(&kernel.thorough) + moving + all(&kernel.thorough)
 }
 
 /// How many numbers of a frame the code may reach, in the order of the pointers in its memory.
