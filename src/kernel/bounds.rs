@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
+use super::WITHIN_RANGE;
 use super::fold::Folder;
 use super::form::{Atom, Factor, Form};
-use crate::machines::REFERENCE;
-use crate::program::{Guard, Lamp, ON_THE_KINK};
+use crate::program::{Guard, Lamp};
 
 /// What has to stay between two factors.
 struct Bound {
@@ -51,8 +51,7 @@ impl Folder<'_> {
 
     /// Amplifiers stay within their range.
     fn ranges(&self) -> Vec<Bound> {
-        // What stands just at its limit, by a diode, is not beyond it by rounding.
-        let [low, high] = [-1.0, 1.0].map(|sign| Factor::Number(sign * (REFERENCE + ON_THE_KINK)));
+        let [low, high] = [-WITHIN_RANGE, WITHIN_RANGE].map(Factor::Number);
         let range = |lamp: &Lamp| Bound { of: self.of(lamp.demand).clone(), low, high };
         self.program.lamps.iter().map(range).collect()
     }

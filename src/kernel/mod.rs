@@ -35,10 +35,15 @@ pub(crate) use sides::Met;
 pub(crate) use step::{Look, Steps};
 pub(crate) use store::{Folded, Kernels};
 
-use crate::program::{Op, Program, Register, Sources};
+use crate::machines::REFERENCE;
+use crate::program::{ON_THE_KINK, Op, Program, Register, Sources};
 use code::{Code, Slot};
 use form::Factor;
 use lane::Lane;
+
+/// As long as no amplifier is asked for more than this, in volts, a kernel can hold. What stands just at its limit, by a
+/// diode, is not beyond it by rounding.
+pub(crate) const WITHIN_RANGE: f64 = REFERENCE + ON_THE_KINK;
 
 /// A program folded for one set of modes.
 #[derive(Debug, Clone)]

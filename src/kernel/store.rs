@@ -22,7 +22,7 @@ pub(crate) struct Folded {
     interpreted: AtomicU64,
 }
 
-/// So many kernels are kept.
+/// So many kernels are kept, those that were asked for last.
 const MOST_KERNELS: usize = 64;
 /// After so many interpreted steps native code has been worth its making, had it been there from the beginning.
 const PAYS: u64 = 10_000;
@@ -32,8 +32,10 @@ impl Kernels {
     pub fn of(&self, program: &Program, modes: &[f64], seen: &[Register]) -> Option<Arc<Folded>> {
         // Whoever broke off left the list as whole as it was.
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = all.iter().find(|known| known.modes == modes && known.seen == seen) {
-            return Some(Arc::clone(known));
+        if let Some(known) = all.iter().position(|known| known.modes == modes && known.seen == seen) {
+            // What was asked for last stands last.
+            all[known..].rotate_left(1);
+            return all.last().cloned();
         }
         let folded = Arc::new(Folded {
             modes: modes.to_vec(),

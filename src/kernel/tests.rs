@@ -8,6 +8,8 @@ mod common;
 #[path = "../../tests/thesis/dice.rs"]
 mod dice;
 
+use std::sync::Arc;
+
 use dice::Dice;
 
 #[cfg(feature = "native")]
@@ -278,6 +280,19 @@ fn what_is_bound_by_a_guard_and_by_an_amplifier_stays_within_both() {
     for (volts, holds) in [(-101.0, false), (-50.0, false), (-49.9, true), (99.0, true), (101.0, false)] {
         assert_eq!(holds_at(&guarded, volts), holds, "{volts} V");
     }
+}
+
+#[test]
+fn kernels_that_are_used_are_kept() {
+    let program = generated(&[[-10.0, 0.0], [10.0, 10.0]], 0.0);
+    let modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
+    let kernel = |seen: usize| program.kernels.of(&program, &modes, &vec![Register(0); seen]).unwrap();
+    let [used, unused] = [0, 1].map(kernel);
+    for seen in 2..100 {
+        kernel(seen);
+        assert!(Arc::ptr_eq(&kernel(0), &used));
+    }
+    assert!(!Arc::ptr_eq(&kernel(1), &unused));
 }
 
 /// Integrators one after the other, so many of them.

@@ -7,9 +7,9 @@ use super::error::RunError;
 use super::locate::{self, Ahead};
 use super::machine::{Machine, Witness};
 use super::stride::{cubic, without_dust};
-use crate::kernel::{Backend, Folded, Frame, Look, Met, Steps};
+use crate::kernel::{Backend, Folded, Frame, Look, Met, Steps, WITHIN_RANGE};
 use crate::machines::REFERENCE;
-use crate::program::Register;
+use crate::program::{Lamp, Register};
 
 /// What a machine glides with.
 #[derive(Debug, Clone, Default)]
@@ -152,11 +152,15 @@ impl Machine<'_> {
         gone
     }
 
-    /// Whether no integrator is held at ±100 V and driven on.
+    /// Whether no amplifier is asked for more than it can give: no integrator is held at ±100 V and driven on. A kernel would
+    /// find that out too, but in every step as long as it lasts.
     fn is_calm(&self) -> bool {
         let at_rest = self.pushed.iter().all(|pushed| *pushed == 0.0);
+        let asked = |lamp: &Lamp| self.registers[lamp.demand.index()].abs();
+        let in_range = self.program.lamps.iter().all(|lamp| asked(lamp) <= WITHIN_RANGE);
         let mut states = self.program.states.iter().zip(&self.states);
         at_rest
+            && in_range
             && states.all(|(state, volts)| {
                 volts.abs() < REFERENCE || self.registers[state.demand.index()] * volts <= 0.0
             })
