@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use super::bounds::Bounds;
 use super::form::{Atom, Early, Factor, Form};
-use super::node::{Node, Operand, key};
+use super::node::{Node, Operand};
 use crate::program::{Op, Program, Register};
 
 /// A program folded, before it is laid out.
@@ -24,10 +24,16 @@ pub(super) struct Terms {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Corner {
     pub of: Atom,
-    /// The table whose points are its corners; without one, its only corner is 0.
-    pub table: Option<u32>,
-    /// Which of the given numbers follow from it: whether it is 0 or above, or slope, origin and ordinate of the piece.
-    pub given: u32,
+    pub at: At,
+}
+
+/// Where a voltage has its corners, and which of the given numbers follow from it.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum At {
+    /// At 0: its side, 1 where it is 0 or above, else 0.
+    Zero { side: u32 },
+    /// At the points of a table: slope, origin and ordinate of the piece, one after the other.
+    Points { table: u32, piece: u32 },
 }
 
 /// Sums of more terms than this are worked out once where they are read by more than one.
@@ -95,7 +101,7 @@ pub(super) struct Folder<'a> {
     pub early: Early,
     pub nodes: Vec<Node>,
     /// Atoms by what they are.
-    known: HashMap<Vec<u64>, Atom>,
+    known: HashMap<Node, Atom>,
     /// What every register of the body is.
     forms: Vec<Form>,
     uses: Vec<u32>,
@@ -169,8 +175,8 @@ impl Folder<'_> {
     fn piece(&mut self, table: u32, at: Register) -> Form {
         let form = self.of(at).clone();
         let of = self.atom(&form);
+        self.corners.push(Corner { of, at: At::Points { table, piece: self.early.given } });
         let [slope, origin, ordinate] = [(); 3].map(|()| self.early.given());
-        self.corners.push(Corner { of, table: Some(table), given: self.early.given - 3 });
         // Worked out by itself: slope x origin would have lost the digits that count on a steep piece.
         let beside = self.early.sum(&form, &Form::still(origin), Factor::Number(-1.0));
         let beside = Form::atom(self.atom(&beside));
@@ -192,8 +198,8 @@ impl Folder<'_> {
         if let Some((_, side)) = self.sides.iter().find(|(known, _)| *known == of) {
             return *side;
         }
+        self.corners.push(Corner { of, at: At::Zero { side: self.early.given } });
         let side = self.early.side();
-        self.corners.push(Corner { of, table: None, given: self.early.given - 1 });
         self.sides.push((of, side));
         side
     }
@@ -371,7 +377,7 @@ impl Folder<'_> {
 
     fn once(&mut self, node: Node) -> Atom {
         let next = self.nodes.len() as Atom;
-        let atom = *self.known.entry(key(&node)).or_insert(next);
+        let atom = *self.known.entry(node.clone()).or_insert(next);
         if atom == next {
             self.nodes.push(node);
         }

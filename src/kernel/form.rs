@@ -1,6 +1,7 @@
 //! Sums of voltages, each times a factor that the parameters alone decide.
 
 use std::collections::{HashMap, HashSet};
+use std::hash::{Hash, Hasher};
 
 use crate::program::{Op, Register};
 
@@ -16,9 +17,18 @@ pub(super) enum Factor {
     Early(Register),
 }
 
+// Numbers by their bits: 0 and -0 are two.
 impl PartialEq for Factor {
     fn eq(&self, other: &Self) -> bool {
         self.key() == other.key()
+    }
+}
+
+impl Eq for Factor {}
+
+impl Hash for Factor {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.key().hash(state);
     }
 }
 
@@ -31,7 +41,7 @@ impl Factor {
     }
 
     /// What tells it from others.
-    pub fn key(self) -> (bool, u64) {
+    fn key(self) -> (bool, u64) {
         match self {
             Factor::Number(value) => (false, value.to_bits()),
             Factor::Early(register) => (true, u64::from(register.0)),
@@ -43,7 +53,7 @@ impl Factor {
 pub(super) type Atom = u32;
 
 /// constant + sum of factor x atom, in volts; the atoms rise.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct Form {
     pub constant: Factor,
     pub terms: Vec<(Atom, Factor)>,
@@ -72,13 +82,26 @@ impl Form {
     }
 }
 
+/// What the kernel's prologue works out once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Value {
+    /// By its bits.
+    Number(u64),
+    Coefficient(u32),
+    Sum([Factor; 2]),
+    Product([Factor; 2]),
+    Quotient([Factor; 2]),
+    Lower([Factor; 2]),
+    Upper([Factor; 2]),
+}
+
 /// The operations that the kernel adds to the prologue: each value once.
 #[derive(Debug, Default)]
 pub(super) struct Early {
     pub ops: Vec<Op>,
-    known: HashMap<(u8, [(bool, u64); 2]), Factor>,
+    known: HashMap<Value, Factor>,
     /// Of factors that are each other's negative, the other.
-    negatives: HashMap<(bool, u64), Factor>,
+    negatives: HashMap<Factor, Factor>,
     /// Operations that never give less than 0.
     not_negative: HashSet<Register>,
     /// How many numbers it is given beside the coefficients.
@@ -88,7 +111,7 @@ pub(super) struct Early {
 impl Early {
     /// A coefficient, and the least that it may be.
     pub fn coefficient(&mut self, index: u32, least: f64) -> Factor {
-        let factor = self.once(0, [(true, u64::from(index)); 2], |_| Op::Coefficient(index));
+        let factor = self.once(Value::Coefficient(index));
         if let (Factor::Early(register), true) = (factor, least >= -ROUNDING) {
             self.not_negative.insert(register);
         }
@@ -123,8 +146,8 @@ impl Early {
             (Factor::Number(a), Factor::Number(b)) => Factor::Number(a + b),
             _ if a.is(0.0) => b,
             _ if b.is(0.0) => a,
-            _ if self.negatives.get(&a.key()) == Some(&b) => Factor::ZERO,
-            _ => self.binary(1, a, b, Op::Add),
+            _ if self.negatives.get(&a) == Some(&b) => Factor::ZERO,
+            _ => self.once(Value::Sum([a, b])),
         }
     }
 
@@ -138,7 +161,7 @@ impl Early {
             _ if a.is(-1.0) => self.negative(b),
             _ if b.is(-1.0) => self.negative(a),
             _ => {
-                let product = self.binary(3, a, b, Op::Multiply);
+                let product = self.once(Value::Product([a, b]));
                 if let (Factor::Early(register), true) =
                     (product, self.is_not_negative(a) && self.is_not_negative(b))
                 {
@@ -150,30 +173,30 @@ impl Early {
     }
 
     fn negative(&mut self, a: Factor) -> Factor {
-        if let Some(known) = self.negatives.get(&a.key()) {
+        if let Some(known) = self.negatives.get(&a) {
             return *known;
         }
-        let negative = self.binary(3, a, Factor::Number(-1.0), Op::Multiply);
-        self.negatives.insert(a.key(), negative);
-        self.negatives.insert(negative.key(), a);
+        let negative = self.once(Value::Product([a, Factor::Number(-1.0)]));
+        self.negatives.insert(a, negative);
+        self.negatives.insert(negative, a);
         negative
     }
 
     pub fn divide(&mut self, a: Factor, b: Factor) -> Factor {
-        if b.is(1.0) { a } else { self.binary(2, a, b, Op::Divide) }
+        if b.is(1.0) { a } else { self.once(Value::Quotient([a, b])) }
     }
 
     pub fn lower_of(&mut self, a: Factor, b: Factor) -> Factor {
         match (a, b) {
             (Factor::Number(a), Factor::Number(b)) => Factor::Number(a.min(b)),
-            _ => self.binary(4, a, b, Op::Minimum),
+            _ => self.once(Value::Lower([a, b])),
         }
     }
 
     pub fn upper_of(&mut self, a: Factor, b: Factor) -> Factor {
         match (a, b) {
             (Factor::Number(a), Factor::Number(b)) => Factor::Number(a.max(b)),
-            _ => self.binary(5, a, b, Op::Maximum),
+            _ => self.once(Value::Upper([a, b])),
         }
     }
 
@@ -194,35 +217,35 @@ impl Early {
         match factor {
             Factor::Early(register) => register,
             Factor::Number(value) => {
-                let key = (6, [(false, value.to_bits()); 2]);
-                match self.known.get(&key) {
-                    Some(Factor::Early(register)) => *register,
-                    _ => {
-                        let factor = self.push(Op::Constant(value));
-                        self.known.insert(key, factor);
-                        self.register(factor)
-                    }
-                }
+                let written = self.once(Value::Number(value.to_bits()));
+                self.register(written)
             }
         }
     }
 
-    fn binary(&mut self, tag: u8, a: Factor, b: Factor, op: fn(Register, Register) -> Op) -> Factor {
-        let key = [a.key(), b.key()];
-        self.once(tag, key, |early| {
-            let (a, b) = (early.register(a), early.register(b));
-            op(a, b)
-        })
-    }
-
-    fn once(&mut self, tag: u8, key: [(bool, u64); 2], op: impl FnOnce(&mut Self) -> Op) -> Factor {
-        if let Some(known) = self.known.get(&(tag, key)) {
+    /// A value, worked out where it is not yet.
+    fn once(&mut self, value: Value) -> Factor {
+        if let Some(known) = self.known.get(&value) {
             return *known;
         }
-        let op = op(self);
+        let op = self.op(value);
         let factor = self.push(op);
-        self.known.insert((tag, key), factor);
+        self.known.insert(value, factor);
         factor
+    }
+
+    fn op(&mut self, value: Value) -> Op {
+        let (of, [a, b]): (fn(Register, Register) -> Op, _) = match value {
+            Value::Number(bits) => return Op::Constant(f64::from_bits(bits)),
+            Value::Coefficient(index) => return Op::Coefficient(index),
+            Value::Sum(both) => (Op::Add, both),
+            Value::Product(both) => (Op::Multiply, both),
+            Value::Quotient(both) => (Op::Divide, both),
+            Value::Lower(both) => (Op::Minimum, both),
+            Value::Upper(both) => (Op::Maximum, both),
+        };
+        let [a, b] = [a, b].map(|factor| self.register(factor));
+        of(a, b)
     }
 
     fn push(&mut self, op: Op) -> Factor {

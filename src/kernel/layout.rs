@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::code::{Code, Instruction, Slot};
-use super::fold::{Corner, Terms};
+use super::fold::{At, Corner, Terms};
 use super::form::{Atom, Factor, Form};
 use super::node::{Node, Operand, atoms, needed};
 use super::{Checks, Fence, Kernel, Layout, Posted, Watch, Watched};
@@ -18,7 +18,7 @@ pub(super) fn laid_out(folded: Terms, program: &Program) -> Kernel {
 struct Layouter {
     folded: Terms,
     factors: Vec<Factor>,
-    places: HashMap<(bool, u64), Slot>,
+    places: HashMap<Factor, Slot>,
     layout: Layout,
     /// Where every atom stands.
     slots: Vec<Slot>,
@@ -60,7 +60,7 @@ impl Layouter {
         for operand in all {
             if let Operand::Factor(factor) = operand {
                 let next = self.factors.len() as Slot;
-                if *self.places.entry(factor.key()).or_insert(next) == next {
+                if *self.places.entry(factor).or_insert(next) == next {
                     self.factors.push(factor);
                 }
             }
@@ -96,7 +96,7 @@ impl Layouter {
     }
 
     fn factor(&self, factor: Factor) -> Slot {
-        self.places[&factor.key()]
+        self.places[&factor]
     }
 
     fn kernel(self) -> Kernel {
@@ -132,12 +132,11 @@ impl Layouter {
     /// What is watched, and how much of it, the first, in the middle of a step too.
     fn watched(&self) -> (Vec<(Atom, Watched)>, usize) {
         let mut watched = Vec::new();
-        for &Corner { of, table, given } in &self.folded.corners {
-            let given = given as usize;
-            match table {
-                None => watched.push((of, Watched::Corner { given })),
-                Some(table) => {
-                    watched.extend([false, true].map(|above| (of, Watched::Points { table, above, given })))
+        for &Corner { of, at } in &self.folded.corners {
+            match at {
+                At::Zero { side } => watched.push((of, Watched::Corner { side })),
+                At::Points { table, piece } => {
+                    watched.extend([false, true].map(|above| (of, Watched::Points { table, above, piece })))
                 }
             }
         }
@@ -235,28 +234,7 @@ impl Layouter {
         let of = |operand: &Operand| self.operand(*operand);
         let instruction = match node {
             Node::State(_) | Node::Time | Node::Kept(_) | Node::Noise(_) => return,
-            Node::Sum(form) => {
-                let constant = self.factor(form.constant);
-                match form.terms[..] {
-                    [(atom, factor)] => {
-                        let (factor, a) = (self.factor(factor), self.slots[atom as usize]);
-                        if form.constant.is(0.0) {
-                            Instruction::Multiply { out, a: factor, b: a }
-                        } else {
-                            Instruction::Line { out, constant, factor, a }
-                        }
-                    }
-                    _ => {
-                        // What comes last is added last, so that it is waited for but once.
-                        let mut terms = form.terms.clone();
-                        terms.sort_by_key(|(atom, _)| self.depths[*atom as usize]);
-                        let first = code.terms.len() as u32;
-                        let slots = |(atom, factor)| (self.factor(factor), self.slots[atom as usize]);
-                        code.terms.extend(terms.into_iter().map(slots));
-                        Instruction::Sum { out, constant, first, count: form.terms.len() as u32 }
-                    }
-                }
-            }
+            Node::Sum(form) => self.sum(form, out, code),
             Node::Multiply(a, b) => Instruction::Multiply { out, a: of(a), b: of(b) },
             Node::Minimum(a, b) => Instruction::Minimum { out, a: of(a), b: of(b) },
             Node::Maximum(a, b) => Instruction::Maximum { out, a: of(a), b: of(b) },
@@ -265,5 +243,24 @@ impl Layouter {
             Node::Table(table, a) => Instruction::Table { out, table: *table, a: of(a) },
         };
         code.instructions.push(instruction);
+    }
+
+    fn sum(&self, form: &Form, out: Slot, code: &mut Code) -> Instruction {
+        let constant = self.factor(form.constant);
+        let slots = |&(atom, factor): &(Atom, Factor)| (self.factor(factor), self.slots[atom as usize]);
+        if let [term] = &form.terms[..] {
+            let (factor, a) = slots(term);
+            return if form.constant.is(0.0) {
+                Instruction::Multiply { out, a: factor, b: a }
+            } else {
+                Instruction::Line { out, constant, factor, a }
+            };
+        }
+        // What comes last is added last, so that it is waited for but once.
+        let mut terms = form.terms.clone();
+        terms.sort_by_key(|(atom, _)| self.depths[*atom as usize]);
+        let first = code.terms.len() as u32;
+        code.terms.extend(terms.iter().map(slots));
+        Instruction::Sum { out, constant, first, count: terms.len() as u32 }
     }
 }

@@ -121,11 +121,11 @@ pub(crate) struct Watch {
 /// What a voltage is watched for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Watched {
-    /// A corner where it is 0; whether it is 0 or above is given at a place.
-    Corner { given: usize },
-    /// A corner at the next point of a table below it, or above it, whose watch comes next; slope, origin and ordinate of
-    /// the piece are given at a place and after it.
-    Points { table: u32, above: bool, given: usize },
+    /// A corner where it is 0; at a place among the given numbers stands its side, 1 where it is 0 or above, else 0.
+    Corner { side: u32 },
+    /// A corner at the next point of a table below it, or above it, whose watch comes next; at a place among the given
+    /// numbers begin slope, origin and ordinate of the piece.
+    Points { table: u32, above: bool, piece: u32 },
     /// It must stay above the number in a slot.
     Above(Slot),
     /// It must stay below it.

@@ -4,14 +4,14 @@ use super::form::{Atom, Factor, Form};
 use crate::patch::Function;
 
 /// What an operation of a kernel reads.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Operand {
     Factor(Factor),
     Atom(Atom),
 }
 
 /// How an atom comes about.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) enum Node {
     State(u32),
     Time,
@@ -64,26 +64,4 @@ pub(super) fn needed(nodes: &[Node], by: impl Iterator<Item = Atom>) -> Vec<bool
         }
     }
     needed
-}
-
-/// What tells a node from others.
-pub(super) fn key(node: &Node) -> Vec<u64> {
-    let tag = match node {
-        Node::State(index) => [0, u64::from(*index)],
-        Node::Time => [1, 0],
-        Node::Kept(index) => [2, u64::from(*index)],
-        Node::Noise(index) => [3, u64::from(*index)],
-        Node::Sum(_) => [4, 0],
-        Node::Multiply(..) => [5, 0],
-        Node::Minimum(..) => [6, 0],
-        Node::Maximum(..) => [7, 0],
-        Node::Absolute(_) => [8, 0],
-        Node::Call(function, ..) => [9, *function as u64],
-        Node::Table(table, _) => [10, u64::from(*table)],
-    };
-    let operands = node.operands().into_iter().flat_map(|operand| match operand {
-        Operand::Factor(factor) => [u64::from(factor.key().0), factor.key().1],
-        Operand::Atom(atom) => [2, u64::from(atom)],
-    });
-    tag.into_iter().chain(operands).collect()
 }

@@ -51,9 +51,8 @@ impl Kernel {
         for _ in 0..self.corners + 2 {
             let fits = !is_due || self.put_factors(frame, program, coefficients, lane);
             self.show(frame, &program.tables);
-            is_due = self.take_sides(frame, &program.tables, lane);
+            is_due = self.bind(frame, &program.tables, lane, 0..self.watches.len());
             if !is_due {
-                self.bind(frame, &program.tables, lane, 0..self.watches.len());
                 self.put_fences(frame, lane);
                 self.rest(frame, self.watches.len());
                 return self.stand(frame, lane) && fits;
@@ -62,53 +61,22 @@ impl Kernel {
         false
     }
 
-    /// Tells from the voltages worked out last on which sides of the corners they are; whether any is on another than
-    /// before. The factors have to be worked out again then.
-    fn take_sides<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], lane: usize) -> bool {
-        (0..self.watches.len()).fold(false, |any, watch| {
-            let value = self.watches[watch].value(&frame.slots).get(lane);
-            self.take_side(frame, tables, lane, watch, value) || any
-        })
-    }
-
-    /// The same of the corner of a watch, as its voltage is.
-    fn take_side<V: Lane>(
-        &self,
-        frame: &mut Frame<V>,
-        tables: &[Vec<[f64; 2]>],
-        lane: usize,
-        watch: usize,
-        value: f64,
-    ) -> bool {
-        let mut give = |given: usize, number: f64| {
-            std::mem::replace(&mut frame.given[lane * self.given + given], number) != number
-        };
-        match self.watches[watch].what {
-            Watched::Corner { given } => give(given, if value >= 0.0 { 1.0 } else { 0.0 }),
-            Watched::Points { table, above: false, given } => {
-                let (ordinate, slope, origin) = segment(&tables[table as usize], value);
-                let piece = [slope, origin, ordinate].into_iter().zip(given..);
-                piece.fold(false, |any, (number, given)| give(given, number) || any)
-            }
-            _ => false,
-        }
-    }
-
-    /// Binds what is watched: corners keep the side on which they are.
+    /// Binds watches to where the voltages are that were worked out last, corners to the sides on which they are. Tells
+    /// whether any is on another side than before: the factors have to be worked out again then.
     pub(super) fn bind<V: Lane>(
         &self,
         frame: &mut Frame<V>,
         tables: &[Vec<[f64; 2]>],
         lane: usize,
         watches: Range<usize>,
-    ) {
-        for watch in watches {
+    ) -> bool {
+        watches.fold(false, |any, watch| {
             let value = self.watches[watch].value(&frame.slots).get(lane);
-            self.bind_one(frame, tables, lane, watch, value);
-        }
+            self.bind_one(frame, tables, lane, watch, value) || any
+        })
     }
 
-    /// Binds a watch to the side on which a voltage is.
+    /// The same of a watch whose voltage is here.
     fn bind_one<V: Lane>(
         &self,
         frame: &mut Frame<V>,
@@ -116,10 +84,25 @@ impl Kernel {
         lane: usize,
         watch: usize,
         value: f64,
-    ) {
-        let [slope, room] = self.line(frame, tables, lane, watch, value);
+    ) -> bool {
+        let of = |slot: Slot| frame.slots[slot as usize].get(lane);
+        let given = &mut frame.given[lane * self.given..];
+        let (is_new, [slope, room]) = match self.watches[watch].what {
+            Watched::Corner { side } => {
+                let (now, slope) = if value >= 0.0 { (1.0, 1.0) } else { (0.0, -1.0) };
+                (replace(given, side, [now]), [slope, ON_THE_KINK])
+            }
+            Watched::Points { table, above, piece } => {
+                let points = &tables[table as usize];
+                let (ordinate, slope, origin) = segment(points, value);
+                (replace(given, piece, [slope, origin, ordinate]), beside_corner(points, value, above))
+            }
+            Watched::Above(low) => (false, [1.0, -of(low)]),
+            Watched::Below(high) | Watched::Size(high) => (false, [-1.0, of(high)]),
+        };
         frame.slopes[watch].set(lane, slope);
         frame.rooms[watch].set(lane, room);
+        is_new
     }
 
     /// Takes what was worked out last, no step away, as the present. Tells whether all but those that are at a corner
@@ -155,23 +138,6 @@ impl Kernel {
             let [low, high] = range;
             frame.lows[index].set(lane, low);
             frame.highs[index].set(lane, high);
-        }
-    }
-
-    /// Slope and room of a watch whose voltage is here.
-    fn line<V: Lane>(
-        &self,
-        frame: &Frame<V>,
-        tables: &[Vec<[f64; 2]>],
-        lane: usize,
-        watch: usize,
-        value: f64,
-    ) -> [f64; 2] {
-        match self.watches[watch].what {
-            Watched::Corner { .. } => [if value >= 0.0 { 1.0 } else { -1.0 }, ON_THE_KINK],
-            Watched::Points { table, above, .. } => beside_corner(&tables[table as usize], value, above),
-            Watched::Above(slot) => [1.0, -frame.slots[slot as usize].get(lane)],
-            Watched::Below(slot) | Watched::Size(slot) => [-1.0, frame.slots[slot as usize].get(lane)],
         }
     }
 
@@ -241,11 +207,18 @@ impl Kernel {
             _ => met.watch..met.watch + 1,
         };
         for watch in watches {
-            self.take_side(frame, &program.tables, lane, watch, beyond);
             self.bind_one(frame, &program.tables, lane, watch, beyond);
         }
         self.follow(frame, program, coefficients, lane)
     }
+}
+
+/// Replaces numbers from a place on; whether any is another than before.
+fn replace<const N: usize>(given: &mut [f64], place: u32, by: [f64; N]) -> bool {
+    let old = &mut given[place as usize..][..N];
+    let is_new = *old != by;
+    old.copy_from_slice(&by);
+    is_new
 }
 
 /// A voltage on the other side of a corner, of one that stands there and comes down this slope: far enough for it to be
