@@ -28,13 +28,17 @@ fn assert_within_tolerance(program: &Program, name: &str, expected: f64) {
     }
 }
 
-/// A1 and A2 swing with 2 radians a second and 50 V.
-fn oscillator() -> Program {
-    let builder = volts("oscillator")
+/// A2 swings with 2 radians a second, and so many volts.
+fn swinging(amplitude: f64) -> PatchBuilder {
+    volts("oscillator")
         .element("A1", element("integrator").cords("x4", ["A2"]))
         .element("S1", element("summer").cords("x1", ["A1"]))
-        .element("A2", element("integrator").cords("x1", ["S1"]).set("initial", 50));
-    built(builder)
+        .element("A2", element("integrator").cords("x1", ["S1"]).set("initial", amplitude))
+        .signal("x", "A2", "volt", 1.0)
+}
+
+fn oscillator() -> Program {
+    built(swinging(50.0))
 }
 
 #[test]
@@ -111,13 +115,7 @@ fn recording_finely_changes_nothing() {
 /// What is drawn between the ends of steps is as right as the steps: samples of the oscillator.
 #[test]
 fn samples_within_steps_are_right() {
-    let patch = volts("oscillator")
-        .element("A1", element("integrator").cords("x4", ["A2"]))
-        .element("S1", element("summer").cords("x1", ["A1"]))
-        .element("A2", element("integrator").cords("x1", ["S1"]).set("initial", 50))
-        .signal("x", "A2", "volt", 1.0)
-        .build()
-        .unwrap();
+    let patch = swinging(50.0).build().unwrap();
     let circuit = common::circuit(&patch, &[]);
     let own = RunSettings { every: 0.01, ..RunSettings::of(&circuit).unwrap().lasting(LENGTH) };
     let program = Program::new(&circuit).unwrap();
@@ -151,15 +149,8 @@ fn what_comes_out_of_delay_lines_is_right_to_the_tolerance() {
 /// recorded rectifier makes of it, whose kinks no step looks for.
 #[test]
 fn least_and_most_are_those_of_the_curve() {
-    let patch = volts("oscillator")
-        .element("A1", element("integrator").cords("x4", ["A2"]))
-        .element("S1", element("summer").cords("x1", ["A1"]))
-        .element("A2", element("integrator").cords("x1", ["S1"]).set("initial", 30))
-        .element("AB", element("absolute").cord("in", "A2"))
-        .signal("x", "A2", "volt", 1.0)
-        .signal("size", "AB", "volt", 1.0)
-        .build()
-        .unwrap();
+    let rectifier = element("absolute").cord("in", "A2");
+    let patch = swinging(30.0).element("AB", rectifier).signal("size", "AB", "volt", 1.0).build().unwrap();
     let circuit = common::circuit(&patch, &[]);
     let own = RunSettings { every: 1.0, ..RunSettings::of(&circuit).unwrap().lasting(LENGTH) };
     let program = Program::new(&circuit).unwrap();
