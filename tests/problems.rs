@@ -4,7 +4,7 @@ mod common;
 #[path = "problems/mod.rs"]
 mod library;
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::fs;
 use std::process::Command;
 
@@ -176,10 +176,59 @@ fn the_numbers_of_the_page_are_those_that_are_run() {
     assert_eq!(numbers(told, "after every period of ", ": C. M."), [pol.every]);
     let (masses, x1) = section(&page, "Three masses");
     let [out] = numbers(masses, "let go from ", ":\n");
-    let [size] = numbers(masses, "of ", " sin(k");
     let [stiffness] = numbers(masses, "x_j'' = ", " (x_");
     // At the beginning the first alone is out: -2 k x.
     assert_near(slopes(x1, 0.0)[1], -2.0 * stiffness * x1(0.0));
-    assert_near(2.0 * size, out);
     assert_near(x1(0.0), out);
+}
+
+/// Van der Pol's equation as the page has it, integrated here over the period that it tells.
+#[test]
+fn the_equation_of_van_der_pol_has_this_period() {
+    let page = fs::read_to_string("docs/problems.md").unwrap();
+    let (told, _) = section(&page, "Van der Pol's period");
+    assert!(told.contains("    x'' = mu (1 - x^2) x' - x\n"));
+    let [mu, top]: [f64; 2] = numbers(&told.replace("x0", "x"), "with mu = ", ", the top");
+    let [period] = numbers(told, "after every period of ", ": C. M.");
+    let rates = |[x, v]: [f64; 2]| [v, mu * (1.0 - x * x) * v - x];
+    let along = |[x, v]: [f64; 2], [by_x, by_v]: [f64; 2], time: f64| [x + time * by_x, v + time * by_v];
+    let (steps, mut at) = (10_000, [top, 0.0]);
+    let step = period / f64::from(steps);
+    for _ in 0..steps {
+        let first = rates(at);
+        let second = rates(along(at, first, 0.5 * step));
+        let third = rates(along(at, second, 0.5 * step));
+        let fourth = rates(along(at, third, step));
+        at = along(at, first, step / 6.0);
+        at = along(at, second, step / 3.0);
+        at = along(at, third, step / 3.0);
+        at = along(at, fourth, step / 6.0);
+    }
+    assert!((at[0] - top).abs() < 1e-9 && at[1].abs() < 1e-9, "{at:?} after a period");
+}
+
+/// The modes of the page begin with the first mass out, and each swings as the equations want it to.
+#[test]
+fn the_modes_of_three_masses_are_those_of_the_equations() {
+    let page = fs::read_to_string("docs/problems.md").unwrap();
+    let (told, x1) = section(&page, "Three masses");
+    let [stiffness] = numbers(told, "x_j'' = ", " (x_");
+    let [size, quarter, power, rate, eighth]: [f64; 5] = numbers(told, "k = 1, 2, 3 of ", " t)");
+    assert_eq!(power, 2.0);
+    // The voltages of all masses and walls in one mode, and what they change by.
+    let shape = |k: f64, j: usize| size * (k * PI / quarter).sin() * (j as f64 * k * PI / quarter).sin();
+    let speed = |k: f64| rate * (k * PI / eighth).sin();
+    for k in [1.0, 2.0, 3.0] {
+        assert!(shape(k, 0).abs() < 1e-12 && shape(k, 4).abs() < 1e-12, "walls in mode {k}");
+        for j in 1..=3 {
+            let pull = stiffness * (shape(k, j - 1) - 2.0 * shape(k, j) + shape(k, j + 1));
+            assert_near(pull, -speed(k).powi(2) * shape(k, j));
+        }
+    }
+    let place = |j: usize, time: f64| -> f64 {
+        [1.0, 2.0, 3.0].map(|k| shape(k, j) * (speed(k) * time).cos()).iter().sum()
+    };
+    let [out] = numbers(told, "let go from ", ":\n");
+    [out, 0.0, 0.0].into_iter().zip(1..).for_each(|(begin, j)| assert_near(place(j, 0.0), begin));
+    [0.0, 0.7, 3.1, 9.9].into_iter().for_each(|time| assert_near(x1(time), place(1, time)));
 }
