@@ -11,7 +11,7 @@ use patchcord::elements::reference_page;
 use patchcord::patch::{Patch, json_schema};
 use patchcord::plot;
 use patchcord::program::Program;
-use patchcord::solve::Backend;
+use patchcord::solve::{self, Backend, RunSettings};
 
 fn documents() -> Vec<PathBuf> {
     let mut found = vec!["README.md".into(), "CONTRIBUTING.md".into(), "CHANGELOG.md".into()];
@@ -122,4 +122,29 @@ fn every_backend_and_every_problem_is_measured() {
         let row = format!("\n| {} |", problem.name);
         assert!(measured(&page, "problems").contains(&row), "{} is not measured", problem.name);
     }
+}
+
+/// Steps that were tried on the way to a crossing, and the percent of all evaluations that they took, on the first 2 s of
+/// Fig 8.16.
+fn tried(tolerance: f64) -> [f64; 2] {
+    let patch = Patch::read(Path::new("patches/thesis/fig-8-16.json")).unwrap();
+    let circuit = Circuit::new(&patch, &[]).unwrap();
+    let settings = RunSettings::of(&circuit).unwrap().lasting(2.0);
+    let settings = RunSettings { tolerance: Some(tolerance), ..settings };
+    let work = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap().sweeps[0].work;
+    let [all, steps, crossings] =
+        [work.evaluations, work.steps + work.rejections, work.crossings + work.changes].map(|n| n as f64);
+    let tried = all - 6.0 * steps;
+    [tried / 6.0 / crossings, 100.0 * tried / all]
+}
+
+#[test]
+fn crossings_take_what_is_told_of_them() {
+    let [[steps, coarse], [same, fine]] = [1e-5, 1e-9].map(tried);
+    assert_eq!(steps.round(), same.round());
+    let told = format!(
+        "this takes {steps:.0} steps a crossing: {coarse:.0} % of all evaluations with a tolerance of 1e-5, {fine:.0} % with 1e-9."
+    );
+    let page = fs::read_to_string("docs/architecture.md").unwrap();
+    assert!(page.contains(&told), "docs/architecture.md does not say that {told}");
 }
