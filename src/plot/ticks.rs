@@ -84,7 +84,8 @@ fn between(axis: &Axis, length: f64, room_for: impl Fn(&str) -> f64) -> Vec<Tick
 
 /// The number of a value on a logarithmic axis, to four digits.
 fn tick(axis: &Axis, value: f64) -> Tick {
-    let (short, power) = (format!("{value:.3e}").parse().unwrap_or(value), format!("{value:.3e}"));
+    let power = format!("{value:.3e}");
+    let short = power.parse().unwrap_or(value);
     let text = match power.split_once('e') {
         Some((times, exponent)) if !RATIOS_WRITTEN_OUT.contains(&short) => {
             let times = times.trim_end_matches('0').trim_end_matches('.');
