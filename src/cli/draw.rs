@@ -92,15 +92,14 @@ impl Arguments {
 
     fn schematic(&self, loaded: &Loaded) -> Result<Schematic, Failure> {
         let read = self.values.map(|seconds| VALUES.machine(loaded, seconds)).transpose()?;
-        let (machine, told) = read.map(|read| (read.machine, format!("voltages {}", read.told))).unzip();
-        let notes = [parameter_line(&loaded.circuit), told.unwrap_or_default()];
-        let notes: Vec<_> = notes.into_iter().filter(|note| !note.is_empty()).collect();
+        let (machine, instant) = read.map(|read| (read.machine, format!("voltages {}", read.told))).unzip();
         let standing = |name: &str| {
             let machine: &Machine<'_> = machine.as_ref()?;
             Some(Standing { volts: machine.voltage(name).ok()?, position: machine.position(name) })
         };
         let schematic = if self.open { Schematic::opened } else { Schematic::new };
-        schematic(&loaded.circuit, &notes.join("; "), &standing).map_err(|error| self.refused(&error))
+        let (note, instant) = (parameter_line(&loaded.circuit), instant.unwrap_or_default());
+        schematic(&loaded.circuit, &note, &instant, &standing).map_err(|error| self.refused(&error))
     }
 
     /// What cannot be drawn, and what may help.

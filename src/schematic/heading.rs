@@ -39,6 +39,17 @@ impl Heading {
         }
     }
 
+    /// The same with words behind the small print, whose last line is cut where they have no room: they take no line of
+    /// their own, so that nothing moves for them.
+    pub fn with(mut self, words: &str, room: f64) -> Heading {
+        if !words.is_empty() {
+            let words = format!("; {words}");
+            let last = self.lines.pop().unwrap_or_default();
+            self.lines.push(text_within(&last, PRINT, room - text_width(&words, PRINT)) + &words);
+        }
+        self
+    }
+
     pub fn height(&self) -> f64 {
         let title = if self.title.is_empty() { 0.0 } else { TITLE_ROW };
         title + ROW * self.lines.len() as f64 + BELOW
@@ -89,5 +100,16 @@ mod tests {
         assert!(lines.iter().all(|line| text_width(line, PRINT) <= 300.0));
         assert!(lines[2].ends_with('…') && !lines[0].contains('…'));
         assert_eq!(wrapped("short", PRINT, 300.0), ["short"]);
+    }
+
+    #[test]
+    fn words_behind_the_small_print_take_no_line() {
+        for note in ["short", "just about as long as there is room for"] {
+            let bare = Heading::new("title", &[note], 240.0);
+            let told = bare.clone().with("voltages at t = 1 s", 240.0);
+            assert_eq!(told.height(), bare.height());
+            let last = told.lines.last().unwrap();
+            assert!(last.ends_with("; voltages at t = 1 s") && text_width(last, PRINT) <= 240.0, "{last}");
+        }
     }
 }

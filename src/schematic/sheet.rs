@@ -88,18 +88,20 @@ impl Schematic {
     pub const MOST: usize = 1000;
 
     /// The schematic of a circuit: instances of macros as boxes, and below it every macro once, opened. `standing`
-    /// tells the voltages to be written at outputs and the positions of what switches, `note` is small print.
+    /// tells the voltages to be written at outputs and the positions of what switches, `instant` when they are so, `note` is
+    /// small print. Sheets with and without voltages have everything in the same places.
     ///
     /// # Errors
     /// When more than [`Schematic::MOST`] symbols have to be drawn, or the sheet would be higher than [`Drawing::LONGEST`].
     pub fn new(
         circuit: &Circuit,
         note: &str,
+        instant: &str,
         standing: &dyn Fn(&str) -> Option<Standing>,
     ) -> Result<Schematic, DrawError> {
         let first = used(circuit).into_values().map(|instances| Show::Inside(instances[0]));
         let shows: Vec<Show<'_>> = std::iter::once(Show::Boxes).chain(first).collect();
-        Schematic::of(circuit, &shows, note, standing)
+        Schematic::of(circuit, &shows, note, instant, standing)
     }
 
     /// The schematic of a circuit with every instance opened in its place.
@@ -109,15 +111,17 @@ impl Schematic {
     pub fn opened(
         circuit: &Circuit,
         note: &str,
+        instant: &str,
         standing: &dyn Fn(&str) -> Option<Standing>,
     ) -> Result<Schematic, DrawError> {
-        Schematic::of(circuit, &[Show::Elements], note, standing)
+        Schematic::of(circuit, &[Show::Elements], note, instant, standing)
     }
 
     fn of(
         circuit: &Circuit,
         shows: &[Show<'_>],
         note: &str,
+        instant: &str,
         standing: &dyn Fn(&str) -> Option<Standing>,
     ) -> Result<Schematic, DrawError> {
         let views: Vec<View<'_>> = shows.iter().map(|show| View::new(circuit, *show)).collect();
@@ -130,8 +134,9 @@ impl Schematic {
         let lists = describe::lists(circuit, &named.collect::<Vec<_>>(), shapes::tells);
         let patch = circuit.patch();
         let width = heading::width(plans.iter().map(|plan| plan.size().0).fold(0.0, f64::max), &patch.title);
-        let heading =
-            Heading::new(&patch.title, &[&patch.source, &describe::machine_line(circuit), note], width);
+        let machine = describe::machine_line(circuit);
+        let small = [patch.source.as_str(), &machine, note];
+        let heading = Heading::new(&patch.title, &small, width).with(instant, width);
         let bottom = MARGIN + heading.height();
         let (main, macros) = (Diagram::default(), Vec::new());
         let mut schematic = Schematic { heading, main, macros, lists, width, bottom };

@@ -16,12 +16,12 @@ const STANDING: Standing = Standing { volts: -12.34, position: None };
 
 /// The schematic of a circuit, with a voltage at every output.
 pub fn schematic(circuit: &Circuit) -> Schematic {
-    Schematic::new(circuit, "", &|_| Some(STANDING)).unwrap_or_else(|error| panic!("{error}"))
+    Schematic::new(circuit, "", "", &|_| Some(STANDING)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The same with macros opened in their places.
 pub fn opened(circuit: &Circuit) -> Schematic {
-    Schematic::opened(circuit, "", &|_| Some(STANDING)).unwrap_or_else(|error| panic!("{error}"))
+    Schematic::opened(circuit, "", "", &|_| Some(STANDING)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Draws a circuit and looks at everything that must hold; `what` is the name that failures give it.
