@@ -3,7 +3,7 @@
 use super::code::Code;
 use super::decode::formula;
 use super::diagnostic::{Diagnostic, Span, suggestion, told};
-use super::document::{Placed, RunPlan};
+use super::document::{LEAST_TOLERANCE, Placed, RunPlan};
 use super::fields::{Fields, Findings, flag, list, positive, word, wrong_type};
 use super::phase::{Change, Extent, Phase, Until};
 use super::tree::{Content, Node};
@@ -13,7 +13,7 @@ pub(super) fn run(node: &Node, findings: &mut Findings) -> RunPlan {
     let mut plan = RunPlan {
         duration: positive(&mut fields, "for", findings),
         step: positive(&mut fields, "step", findings),
-        tolerance: positive(&mut fields, "tolerance", findings),
+        tolerance: tolerance(&mut fields, findings),
         every: positive(&mut fields, "every", findings),
         repeat: whole(&mut fields, "repeat", "runs", findings),
         hold_on_overload: fields
@@ -36,6 +36,17 @@ pub(super) fn run(node: &Node, findings: &mut Findings) -> RunPlan {
     fields.text("note", findings);
     fields.finish(findings);
     plan
+}
+
+fn tolerance(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Placed<f64>> {
+    let share = positive(fields, "tolerance", findings)?;
+    if share.value < LEAST_TOLERANCE {
+        let message = format!("\"tolerance\" must be {LEAST_TOLERANCE:e} or more, not {:e}", share.value);
+        let hint = "the rounding of numbers is no smaller";
+        findings.push(Diagnostic::at(Code::BadNumber, share.span, message).hint(hint));
+        return None;
+    }
+    Some(share)
 }
 
 /// Phases say how long the run is: nothing else may.

@@ -113,6 +113,10 @@ pub struct Signal {
     pub span: Span,
 }
 
+/// The least tolerance of a run. Below it the rounding of numbers is more than what the steps err by: of the problems
+/// with known solutions none comes nearer to its solution.
+pub const LEAST_TOLERANCE: f64 = 1e-13;
+
 /// How long and how finely to run, in problem seconds.
 #[derive(Debug, Clone, Default)]
 pub struct RunPlan {
@@ -120,7 +124,8 @@ pub struct RunPlan {
     pub duration: Option<Placed<f64>>,
     /// Step of the solver.
     pub step: Option<Placed<f64>>,
-    /// What the errors of all steps may add up to, in machine units of 100 V: steps are then as long as that allows.
+    /// What the errors of all steps may add up to, in machine units of 100 V, [`LEAST_TOLERANCE`] or more: steps are then as
+    /// long as that allows.
     pub tolerance: Option<Placed<f64>>,
     /// Time between recorded samples; the step where absent.
     pub every: Option<Placed<f64>>,

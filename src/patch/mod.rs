@@ -29,7 +29,8 @@ pub use code::Code;
 pub use diagnostic::{Diagnostic, Report, Severity, Span, suggestion};
 pub(crate) use document::Lost;
 pub use document::{
-    Amount, Entry, FORMAT_VERSION, Parameter, Patch, PictureSpec, Placed, Plug, RunPlan, Scale, Signal,
+    Amount, Entry, FORMAT_VERSION, LEAST_TOLERANCE, Parameter, Patch, PictureSpec, Placed, Plug, RunPlan,
+    Scale, Signal,
 };
 pub use file::PatchError;
 pub use formula::{

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::document::FORMAT_VERSION;
+use super::document::{FORMAT_VERSION, LEAST_TOLERANCE};
 use crate::elements::{Default, Family, Input, Jacks, Kind, Measure, REGISTRY, Setting};
 use crate::machines::{self, Part, REFERENCE};
 
@@ -115,7 +115,7 @@ fn run() -> Value {
             "step": time,
             "tolerance": {
                 "type": "number",
-                "exclusiveMinimum": 0,
+                "minimum": LEAST_TOLERANCE,
                 "description": "what the errors of all steps may add up to, in machine units of 100 V",
             },
             "every": time,

@@ -24,9 +24,9 @@ mod turn;
 mod watch;
 
 pub use crate::kernel::Backend;
-pub use crate::patch::{Change, Phase, Until};
+pub use crate::patch::{Change, LEAST_TOLERANCE, Phase, Until};
 pub use crate::trace::{Overload, Work};
 pub use error::{RunError, Stopped, TimeSetting};
 pub use hands::preset;
 pub use machine::{Machine, MachineMode};
-pub use run::{LEAST_TOLERANCE, RunSettings, check, machine_after, run, run_watched};
+pub use run::{RunSettings, check, machine_after, run, run_watched};

@@ -7,7 +7,7 @@ use super::player::{self, Player};
 use super::recorder::{Recorder, SAME};
 use crate::circuit::Circuit;
 use crate::kernel::Backend;
-use crate::patch::{Extent, Phase, RunPlan};
+use crate::patch::{Extent, LEAST_TOLERANCE, Phase, RunPlan};
 use crate::program::Program;
 use crate::trace::Trace;
 
@@ -129,10 +129,6 @@ impl RunSettings {
         Ok(())
     }
 }
-
-/// The least tolerance of a run. Below it the rounding of numbers is more than what the steps err by: of the problems
-/// with known solutions none comes nearer to its solution.
-pub const LEAST_TOLERANCE: f64 = 1e-13;
 
 pub(super) fn check_tolerance(value: f64) -> Result<(), RunError> {
     let is_one = value >= LEAST_TOLERANCE && value.is_finite();
