@@ -35,7 +35,7 @@ impl Grid {
 
     /// How many whole steps fit into a length of time, rounding forgiven.
     pub fn steps_in(&self, length: f64) -> u64 {
-        ((length / self.step) * (1.0 + 1e-12) + 1e-9).floor() as u64
+        ((length / self.step) * (1.0 + 1e-12) + 1e-9) as u64
     }
 }
 

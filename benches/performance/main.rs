@@ -4,6 +4,7 @@
 mod accuracy;
 mod clock;
 mod elements;
+mod lanes;
 #[path = "../../tests/problems/mod.rs"]
 mod library;
 mod own;
@@ -25,11 +26,12 @@ fn main() -> Outcome<()> {
     let quick = options.iter().any(|option| option == "--quick");
     let peers = peers::Peers::built()?;
     let fig = own::Fig816::read()?;
-    let parts: [(&str, &dyn Fn() -> Outcome<String>); 8] = [
+    let parts: [(&str, &dyn Fn() -> Outcome<String>); 9] = [
         ("machine", &|| Ok(peers.versions())),
         ("whole", &|| whole::table(&peers, &fig)),
         ("accuracy", &|| accuracy::table(&peers, &fig, quick)),
         ("sweep", &|| throughput::table(&peers, &fig, quick)),
+        ("lanes", &|| lanes::table(&fig, quick)),
         ("elements", &|| elements::table(quick)),
         ("record", &|| whole::records(&fig)),
         ("problems", &problems::table),

@@ -14,11 +14,20 @@ use crate::clock::timed;
 /// A way of running a program: its name, and how it is asked for.
 pub type Backend = (&'static str, fn(RunSettings) -> RunSettings);
 
-/// Every way that there is.
+/// Every way that there is for a run alone.
 pub const BACKENDS: [Backend; 3] = [
     ("reference", |settings| with(settings, solve::Backend::Reference)),
     ("interpreter", |settings| with(settings, solve::Backend::Interpreter)),
     ("native", |settings| with(settings, solve::Backend::Native)),
+];
+
+/// Every way that there is for many.
+pub const BACKENDS_OF_SWEEPS: [Backend; 5] = [
+    BACKENDS[0],
+    BACKENDS[1],
+    BACKENDS[2],
+    ("lanes", |settings| with(settings, solve::Backend::Lanes)),
+    ("automatic", |settings| with(settings, solve::Backend::Automatic)),
 ];
 
 fn with(settings: RunSettings, backend: solve::Backend) -> RunSettings {

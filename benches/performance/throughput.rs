@@ -5,12 +5,12 @@ use std::io;
 use std::thread;
 
 use patchcord::instruments::Measure;
-use patchcord::solve;
+use patchcord::solve::{self, RunSettings};
 use patchcord::sweep::{Axis, Plan, Sweep};
 
 use crate::Outcome;
 use crate::clock::{Work, in_turns, three, timed, told};
-use crate::own::{self, BACKENDS, Backend, Fig816, SAMPLES, Steps};
+use crate::own::{self, BACKENDS_OF_SWEEPS, Backend, Fig816, SAMPLES, Steps};
 use crate::page;
 use crate::peers::{Peers, RUNS};
 
@@ -21,6 +21,8 @@ const WANTED: f64 = 1e-5;
 const THINNED: usize = 10;
 /// Steps of the reference, in seconds.
 const REFERENCE: f64 = 5e-6;
+
+const VCL: &str = "VcL=1.27e-3:25.4e-3:40";
 
 /// How often everything is measured, in turns.
 const ROUNDS: usize = 2;
@@ -33,7 +35,7 @@ pub fn table(peers: &Peers, fig: &Fig816, quick: bool) -> Outcome<String> {
         entries.push(Entry { name: name.to_owned(), step, share, threads: None });
         works.push(Box::new(move || Ok(peers.c_swept(stem, step)?.seconds)));
     }
-    for backend in BACKENDS {
+    for backend in BACKENDS_OF_SWEEPS {
         let step = step_of(fig, backend, &reference)?;
         let share = share_right(fig, backend, step, &reference, if quick { THINNED } else { 1 })?;
         for threads in [1, 2] {
@@ -150,15 +152,23 @@ fn velocity(fig: &Fig816, backend: Backend, step: f64, run: usize) -> Vec<f64> {
     trace.map_or_else(|| vec![f64::NAN; SAMPLES], |trace| own::velocity(&trace))
 }
 
-/// Seconds that the sweep takes as the command makes it, rows made and thrown away.
-fn swept(fig: &Fig816, backend: Backend, step: f64, threads: usize, quick: bool) -> Outcome<f64> {
-    let vcl = if quick { "VcL=1.27e-3:25.4e-3:4" } else { "VcL=1.27e-3:25.4e-3:40" };
+/// The whole sweep by a backend, with steps of so many seconds.
+pub fn sweep(fig: &Fig816, backend: solve::Backend, step: f64) -> Outcome<Sweep> {
+    sweep_of(fig, RunSettings { backend, ..fig.compared(Steps::Equal(step)) }, VCL)
+}
+
+fn sweep_of(fig: &Fig816, settings: RunSettings, vcl: &str) -> Outcome<Sweep> {
     let axes = vec![Axis::parse(vcl)?, Axis::parse("Tc=0.006:0.025:25")?];
     let plan = Plan::new(axes, &fig.program)?;
-    let share = RUNS as f64 / plan.runs() as f64;
-    let settings = backend.1(fig.compared(Steps::Equal(step)));
     let measures = vec![Measure::parse("peak:v_o", fig.program.signals())?];
-    let sweep = Sweep::new("fig-8-16", fig.program.clone(), settings, plan, measures)?;
+    Ok(Sweep::new("fig-8-16", fig.program.clone(), settings, plan, measures)?)
+}
+
+/// Seconds that the sweep takes as the command makes it, rows made and thrown away.
+fn swept(fig: &Fig816, backend: Backend, step: f64, threads: usize, quick: bool) -> Outcome<f64> {
+    let vcl = if quick { "VcL=1.27e-3:25.4e-3:4" } else { VCL };
+    let sweep = sweep_of(fig, backend.1(fig.compared(Steps::Equal(step))), vcl)?;
+    let share = RUNS as f64 / sweep.plan().runs() as f64;
     let (seconds, outcome) = timed(|| sweep.write(&mut io::sink(), threads, &mut |_| ()));
     outcome?;
     Ok(seconds * share)

@@ -10,23 +10,33 @@ pub enum Backend {
     Reference,
     /// The operations folded, interpreted.
     Interpreter,
+    /// The same over the runs of a sweep side by side, in vectors as wide as the processor has. A run that is alone is
+    /// interpreted alone.
+    Lanes,
     /// The operations folded, as native code from the first step; interpreted where none can be made.
     Native,
-    /// The operations folded, interpreted until native code pays.
+    /// The operations folded, interpreted until native code pays; many runs of a sweep side by side, what one of them meets by
+    /// native code.
     #[default]
     Automatic,
 }
 
 impl Backend {
     /// All of them.
-    pub const ALL: [Backend; 4] =
-        [Backend::Reference, Backend::Interpreter, Backend::Native, Backend::Automatic];
+    pub const ALL: [Backend; 5] =
+        [Backend::Reference, Backend::Interpreter, Backend::Lanes, Backend::Native, Backend::Automatic];
+
+    /// Whether it takes runs side by side.
+    pub(crate) fn goes_abreast(self) -> bool {
+        matches!(self, Backend::Lanes | Backend::Automatic)
+    }
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Backend::Reference => "reference",
             Backend::Interpreter => "interpreter",
+            Backend::Lanes => "lanes",
             Backend::Native => "native",
             Backend::Automatic => "automatic",
         }

@@ -35,6 +35,10 @@ pub(crate) struct Frame<V> {
     pub(super) highs: Vec<V>,
     /// What was seen of every voltage that is recorded.
     pub(super) extremes: Extremes<V>,
+    /// A bit for every lane that counts: what is met in others is not looked at.
+    pub(super) aboard: u64,
+    /// A bit for every lane in which something was met at the end of quiet steps.
+    pub(super) beyond: u64,
 }
 
 /// The beginning of a stretch.
@@ -76,6 +80,8 @@ impl Kernel {
             lows: zeros(self.fences.len()),
             highs: zeros(self.fences.len()),
             extremes: Extremes::of(self.turning.len()),
+            aboard: 1,
+            beyond: 0,
         }
     }
 
@@ -115,6 +121,14 @@ impl<V: Lane> Extremes<V> {
     fn of(count: usize) -> Self {
         let [least, most] = [f64::INFINITY, f64::NEG_INFINITY].map(|value| vec![V::splat(value); count]);
         Extremes { least_at: least.clone(), most_at: least.clone(), least, most }
+    }
+
+    pub(super) fn parts(&self) -> [&[V]; 4] {
+        [&self.least, &self.least_at, &self.most, &self.most_at]
+    }
+
+    pub(super) fn parts_mut(&mut self) -> [&mut [V]; 4] {
+        [&mut self.least, &mut self.least_at, &mut self.most, &mut self.most_at]
     }
 
     fn forget(&mut self) {

@@ -2,8 +2,16 @@
 
 /// Numbers that operations work on together. Each is rounded as if it stood alone.
 pub(crate) trait Lane: Copy {
-    /// How many there are.
+    /// How many there are, 64 at most.
     const COUNT: usize;
+    /// Of each number, whether something holds of it.
+    type Truth: Copy;
+    /// It holds of all.
+    const TRUE: Self::Truth;
+    /// A bit for each number of which it does not hold.
+    fn failing(truth: Self::Truth) -> u64;
+    /// Whether a number lies between two others, of those of which that much is true already.
+    fn lies_between(self, low: Self, high: Self, already: Self::Truth) -> Self::Truth;
     fn splat(value: f64) -> Self;
     fn get(&self, lane: usize) -> f64;
     fn set(&mut self, lane: usize, value: f64);
@@ -55,6 +63,17 @@ pub(crate) trait Lane: Copy {
 
 impl Lane for f64 {
     const COUNT: usize = 1;
+    type Truth = bool;
+    const TRUE: bool = true;
+
+    #[inline(always)]
+    fn failing(truth: bool) -> u64 {
+        u64::from(!truth)
+    }
+    #[inline(always)]
+    fn lies_between(self, low: Self, high: Self, already: bool) -> bool {
+        already & (self >= low) & (high >= self)
+    }
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
@@ -82,31 +101,58 @@ impl Lane for f64 {
     }
 }
 
-impl<const N: usize> Lane for [f64; N] {
+/// Numbers side by side, as the widest registers hold them.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct Abreast<const N: usize>([f64; N]);
+
+impl<const N: usize> Abreast<N> {
+    // Apart from those who ask, so that what they do stays whole vectors.
+    #[inline(never)]
+    fn less_than_one(&self) -> u64 {
+        (0..N).filter(|lane| self.0[*lane] < 1.0).fold(0, |bits, lane| bits | 1 << lane)
+    }
+}
+
+impl<const N: usize> Lane for Abreast<N> {
     const COUNT: usize = N;
+    // 1 where it holds, else 0: it is kept where the numbers are.
+    type Truth = Self;
+    const TRUE: Self = Abreast([1.0; N]);
 
     #[inline(always)]
+    fn failing(truth: Self) -> u64 {
+        if truth.reaches(Self::TRUE) { 0 } else { truth.less_than_one() }
+    }
+    #[inline(always)]
+    fn lies_between(self, low: Self, high: Self, already: Self) -> Self {
+        Abreast(std::array::from_fn(|lane| {
+            let lies = (self.0[lane] >= low.0[lane]) & (high.0[lane] >= self.0[lane]);
+            if lies { already.0[lane] } else { 0.0 }
+        }))
+    }
+    #[inline(always)]
     fn splat(value: f64) -> Self {
-        [value; N]
+        Abreast([value; N])
     }
     #[inline(always)]
     fn get(&self, lane: usize) -> f64 {
-        self[lane]
+        self.0[lane]
     }
     #[inline(always)]
     fn set(&mut self, lane: usize, value: f64) {
-        self[lane] = value;
+        self.0[lane] = value;
     }
     #[inline(always)]
     fn map(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
-        std::array::from_fn(|lane| of(self[lane], other[lane]))
+        Abreast(std::array::from_fn(|lane| of(self.0[lane], other.0[lane])))
     }
     #[inline(always)]
     fn map3(self, b: Self, c: Self, of: impl Fn(f64, f64, f64) -> f64) -> Self {
-        std::array::from_fn(|lane| of(self[lane], b[lane], c[lane]))
+        Abreast(std::array::from_fn(|lane| of(self.0[lane], b.0[lane], c.0[lane])))
     }
     #[inline(always)]
     fn all(self, other: Self, holds: impl Fn(f64, f64) -> bool) -> bool {
-        (0..N).fold(true, |all, lane| all & holds(self[lane], other[lane]))
+        (0..N).fold(true, |all, lane| all & holds(self.0[lane], other.0[lane]))
     }
 }

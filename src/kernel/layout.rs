@@ -72,7 +72,8 @@ impl Layouter {
         let time = states + program.states.len();
         let kept = time + 1;
         let noise = kept + program.kept.len();
-        let mut next = noise + program.noises.len();
+        let results = noise + program.noises.len();
+        let mut next = results;
         for node in &self.folded.nodes {
             self.slots.push(match node {
                 Node::State(index) => states as Slot + index,
@@ -85,7 +86,7 @@ impl Layouter {
                 }
             });
         }
-        self.layout = Layout { states, time, kept, noise, all: next };
+        self.layout = Layout { states, time, kept, noise, results, all: next };
     }
 
     fn operand(&self, operand: Operand) -> Slot {

@@ -7,6 +7,7 @@
 //!
 //! Every backend runs the same operations in the same order, each rounded once, and gives the same bits.
 
+mod abreast;
 mod backend;
 mod bounds;
 mod code;
@@ -28,12 +29,13 @@ mod store;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use abreast::{Formation, LANES};
 pub use backend::Backend;
 pub(crate) use frame::Frame;
 pub(crate) use native::Native;
 pub(crate) use sides::Met;
 pub(crate) use step::{Look, Steps};
-pub(crate) use store::{Folded, Kernels};
+pub(crate) use store::{FEWEST_ABREAST, Folded, Kernels};
 
 use crate::machines::REFERENCE;
 use crate::program::{ON_THE_KINK, Op, Program, Register, Sources};
@@ -81,6 +83,7 @@ pub(crate) struct Layout {
     pub time: usize,
     pub kept: usize,
     pub noise: usize,
+    pub results: usize,
     pub all: usize,
 }
 
@@ -141,11 +144,14 @@ impl Watched {
 }
 
 impl Kernel {
-    /// The kernel of a program in these modes, which also gives the voltages of these registers. Programs with loops
-    /// and delay lines have none.
+    /// Whether a program has kernels: one with loops or delay lines has none.
+    pub fn can_be_of(program: &Program) -> bool {
+        program.loops.is_empty() && program.delays.is_empty()
+    }
+
+    /// The kernel of a program in these modes, which also gives the voltages of these registers.
     pub fn new(program: &Program, modes: &[f64], seen: &[Register]) -> Option<Kernel> {
-        let can_be = program.loops.is_empty() && program.delays.is_empty();
-        can_be.then(|| layout::laid_out(fold::folded(program, modes, seen), program))
+        Kernel::can_be_of(program).then(|| layout::laid_out(fold::folded(program, modes, seen), program))
     }
 
     /// What stands in a slot whatever the parameters are.

@@ -22,33 +22,42 @@ impl Kernel {
     /// Looks ahead by a step of this length that ends at a time, and at every watch.
     #[inline(always)]
     fn look<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], length: f64, end: f64) -> Look {
-        match self
-            .ahead(frame, tables, [length, end], &self.thorough, |frame, watches| self.rest(frame, watches))
-        {
-            [_, false] => Look::Ahead,
-            [false, true] => Look::Within,
-            [true, true] => Look::Quiet,
+        self.to_middle(frame, tables, length, &self.thorough);
+        let within = self.rest(frame, self.thorough.in_middle);
+        self.to_end(frame, tables, [length, end], &self.thorough);
+        match (within, self.rest(frame, self.thorough.all)) {
+            (_, false) => Look::Ahead,
+            (false, true) => Look::Within,
+            (true, true) => Look::Quiet,
         }
     }
 
-    /// Works out where a step of this length that ends at a time leads to: states and their rates, and what is checked in
-    /// its middle and at its end. Tells whether the checks hold there.
+    /// Works out where half a step of this length leads to, and what is checked there.
     #[inline(always)]
-    fn ahead<V: Lane>(
+    fn to_middle<V: Lane>(
+        &self,
+        frame: &mut Frame<V>,
+        tables: &[Vec<[f64; 2]>],
+        length: f64,
+        checks: &Checks,
+    ) {
+        let (half, middle) = (V::splat(0.5 * length), frame.time + 0.5 * length);
+        self.stage(frame, tables, 0, half, middle);
+        self.stage(frame, tables, 1, half, middle);
+        checks.middle.run(&mut frame.slots, tables);
+    }
+
+    /// Goes on from there to where the whole step leads, which ends at a time: to states and their rates, and what is
+    /// checked there.
+    #[inline(always)]
+    fn to_end<V: Lane>(
         &self,
         frame: &mut Frame<V>,
         tables: &[Vec<[f64; 2]>],
         [length, end]: [f64; 2],
         checks: &Checks,
-        holds: impl Fn(&mut Frame<V>, usize) -> bool,
-    ) -> [bool; 2] {
-        let (whole, half) = (V::splat(length), V::splat(0.5 * length));
-        let middle = frame.time + 0.5 * length;
-        self.stage(frame, tables, 0, half, middle);
-        self.stage(frame, tables, 1, half, middle);
-        checks.middle.run(&mut frame.slots, tables);
-        let within = holds(frame, checks.in_middle);
-        self.stage(frame, tables, 2, whole, end);
+    ) {
+        self.stage(frame, tables, 2, V::splat(length), end);
         let sixth = V::splat(length / 6.0);
         let two = V::splat(2.0);
         for state in 0..frame.states.len() {
@@ -62,7 +71,6 @@ impl Kernel {
         self.keep(frame, 3);
         checks.middle.run(&mut frame.slots, tables);
         checks.ending.run(&mut frame.slots, tables);
-        [within, holds(frame, checks.all)]
     }
 
     #[inline(always)]
@@ -113,15 +121,16 @@ impl Kernel {
         })
     }
 
-    /// Whether nothing is beyond the first fences.
+    /// The lanes in which something is beyond the first fences.
     #[inline(always)]
-    fn is_fenced<V: Lane>(&self, frame: &Frame<V>, fences: usize) -> bool {
+    fn beyond_fences<V: Lane>(&self, frame: &Frame<V>, fences: usize) -> u64 {
         let ranges = frame.lows.iter().zip(&frame.highs);
-        let all = self.fences[..fences].iter().zip(ranges);
-        all.fold(true, |all, (fence, (low, high))| {
-            let value = frame.slots[fence.slot as usize];
-            all & value.reaches(*low) & high.reaches(value)
-        })
+        let mut fenced = V::TRUE;
+        // A closure would be compiled for any processor.
+        for (fence, (low, high)) in self.fences[..fences].iter().zip(ranges) {
+            fenced = frame.slots[fence.slot as usize].lies_between(*low, *high, fenced);
+        }
+        V::failing(fenced)
     }
 
     /// Makes the step looked at the present.
@@ -150,16 +159,17 @@ impl Kernel {
         }
     }
 
-    /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
+    /// Goes so many steps of a grid from one of its instants, as long as nothing is met in any lane aboard: how many were gone.
     #[inline(always)]
     fn all_steps<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], grid: &Steps) -> u64 {
         for step in 0..grid.count {
             let end = grid.end_of(step);
             let length = end - frame.time;
-            let checked = self.ahead(frame, tables, [length, end], &self.quick, |frame, fences| {
-                self.is_fenced(frame, fences)
-            });
-            if checked != [true; 2] {
+            self.to_middle(frame, tables, length, &self.quick);
+            let within = self.beyond_fences(frame, self.quick.in_middle);
+            self.to_end(frame, tables, [length, end], &self.quick);
+            frame.beyond = (within | self.beyond_fences(frame, self.quick.all)) & frame.aboard;
+            if frame.beyond != 0 {
                 return step;
             }
             self.see(frame, end);
@@ -192,6 +202,11 @@ impl Kernel {
         frame.last.states.copy_from_slice(&frame.states);
         frame.last.rates.copy_from_slice(&frame.rates);
         frame.present.copy_from_slice(&frame.rests);
+        self.take_quietly(frame, time);
+    }
+
+    /// The same of a step that nobody will look back into.
+    pub fn take_quietly<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
         self.see(frame, time);
         self.accept(frame, time);
     }

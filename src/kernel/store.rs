@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::{Backend, Frame, Kernel, Look, Native, Steps};
+use super::{Backend, Formation, Frame, Kernel, Look, Native, Steps};
 use crate::program::{Program, Register};
 
 /// Kernels that programs with the same operations share.
@@ -18,12 +18,16 @@ pub(crate) struct Folded {
     seen: Vec<Register>,
     pub kernel: Kernel,
     native: OnceLock<Option<Native>>,
-    /// Steps that were interpreted.
+    /// Steps and looks that were interpreted.
     interpreted: AtomicU64,
 }
 
 /// So many kernels are kept, those that were asked for last.
 const MOST_KERNELS: usize = 64;
+/// From so many frames on their steps are interpreted together as quickly as each is alone (docs/performance.md), ...
+pub(crate) const FEWEST_ABREAST: usize = 3;
+/// ... and from so many as quickly as native code takes them one after the other.
+const FEWEST_BEYOND_NATIVE: usize = 11;
 /// After so many interpreted steps native code has been worth its making, had it been there from the beginning.
 const PAYS: u64 = 10_000;
 
@@ -77,10 +81,25 @@ impl Folded {
             return native.steps(frame, tables, steps);
         }
         let gone = self.kernel.steps(frame, tables, steps);
-        if backend == Backend::Automatic {
-            self.interpreted.fetch_add(gone, Ordering::Relaxed);
-        }
+        self.count(gone, backend);
         gone
+    }
+
+    /// The same of several frames, as long as nothing is met in any. There is no native code of that.
+    pub fn steps_abreast(&self, formation: &mut Formation, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
+        self.kernel.steps(&mut formation.frame, tables, steps)
+    }
+
+    /// From how many frames on their steps are quicker taken together than by one after the other.
+    pub fn fewest_abreast(&self, backend: Backend) -> usize {
+        if self.native(backend).is_some() { FEWEST_BEYOND_NATIVE } else { FEWEST_ABREAST }
+    }
+
+    /// Counts what native code, where it may still be made, would have been quicker at.
+    fn count(&self, interpreted: u64, backend: Backend) {
+        if backend == Backend::Automatic && self.native.get().is_none() {
+            self.interpreted.fetch_add(interpreted, Ordering::Relaxed);
+        }
     }
 
     /// Looks ahead by a step of this length.
@@ -94,6 +113,7 @@ impl Folded {
         if let Some(native) = self.native(backend) {
             return native.look(frame, tables, length);
         }
+        self.count(1, backend);
         self.kernel.look_ahead(frame, tables, length)
     }
 

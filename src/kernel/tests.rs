@@ -14,7 +14,9 @@ use dice::Dice;
 
 #[cfg(feature = "native")]
 use super::Native;
-use super::{Frame, Kernel, Posted, Watched};
+use super::lane::Lane as _;
+use super::{Formation, Frame, Kernel, LANES, Posted, Steps, Watched};
+use crate::grid::Grid;
 use crate::patch::Patch;
 use crate::program::{Program, Register, Scratch, Sources};
 
@@ -167,6 +169,96 @@ fn nor_does_it_in_random_circuits() {
     let held: Vec<usize> =
         folded.map(|(number, program)| held(program, &mut dice, &format!("circuit {number}"))).collect();
     assert!(held.len() >= 20 && held.iter().all(|held| *held >= 100), "{held:?}");
+}
+
+/// Frames at one instant, in the same modes: as many as there are lanes, where the kernel holds so often.
+fn side_by_side(program: &Program, dice: &mut Dice) -> Option<(Kernel, Vec<Frame<f64>>)> {
+    let mut points = Points::new(program);
+    points.draw(dice);
+    let modes = points.modes.clone();
+    let kernel = Kernel::new(program, &modes, &outlets(program))?;
+    let drawn = (0..20 * LANES).filter_map(|_| {
+        points.draw(dice);
+        points.time = 0.25;
+        (points.modes == modes).then(|| points.frame(&kernel)).flatten()
+    });
+    let frames: Vec<_> = drawn.take(LANES).collect();
+    (frames.len() == LANES).then_some((kernel, frames))
+}
+
+/// Every number of a frame that steps change, as its bits.
+fn moving(kernel: &Kernel, frame: &Frame<f64>) -> Vec<u64> {
+    let numbers = [&frame.slots[..kernel.layout.all], &frame.states, &frame.rates, &[frame.time]];
+    let all = numbers.into_iter().chain(frame.extremes.parts());
+    all.flatten().map(|number| number.to_bits()).collect()
+}
+
+/// Steps of lanes, whatever is met, against the same of every frame alone: all that is worked out at the last evaluation of
+/// each step.
+fn abreast_as_alone(kernel: &Kernel, mut frames: Vec<Frame<f64>>, tables: &[Vec<[f64; 2]>]) {
+    let mut formation = Formation::of(kernel);
+    for (lane, frame) in frames.iter_mut().enumerate() {
+        frame.aboard = 0;
+        formation.board(kernel, lane, frame);
+        // What quiet steps do not work out stays as it is.
+        let pairs = formation.frame.slots.iter_mut().zip(&frame.slots).skip(kernel.layout.results);
+        pairs.for_each(|(all, one)| all.set(lane, *one));
+    }
+    let all = formation.aboard();
+    for first in 1..=5 {
+        let steps = Steps { begin: 0.25, grid: Grid::new(1e-3), first, count: 1 };
+        formation.frame.aboard = 0;
+        assert_eq!(kernel.steps(&mut formation.frame, tables, &steps), 1);
+        formation.frame.aboard = all;
+        for (lane, frame) in frames.iter_mut().enumerate() {
+            assert_eq!(kernel.steps(frame, tables, &steps), 1);
+            let mut left = frame.clone();
+            left.slots.iter_mut().zip(&formation.frame.slots).for_each(|(one, all)| *one = all.get(lane));
+            [&mut left.states, &mut left.rates].into_iter().for_each(|numbers| numbers.fill(f64::NAN));
+            formation.clone().leave(kernel, lane, &mut left);
+            assert!(moving(kernel, &left) == moving(kernel, frame), "lane {lane}, step {first}");
+        }
+    }
+}
+
+#[test]
+fn lanes_give_the_bits_of_each_alone() {
+    let mut dice = Dice(23);
+    let shipped = common::files::shipped().into_iter().chain(common::files::of_tests());
+    let mut programs: Vec<Program> = shipped.map(|file| program(&common::patch_of(&file))).collect();
+    programs.extend((0..40).map(|_| program(&circuits::circuit(&mut dice))));
+    let mut compared = 0;
+    for program in programs.iter().filter(|program| is_folded(program)) {
+        if let Some((kernel, frames)) = side_by_side(program, &mut dice) {
+            abreast_as_alone(&kernel, frames, &program.tables);
+            compared += 1;
+        }
+    }
+    assert!(compared >= 30, "{compared}");
+}
+
+/// What is met is told of its own lane alone, in the middle of a step as at its end.
+#[test]
+fn what_is_met_is_told_by_lane() {
+    let program = generated(&[[-50.0, 0.0], [10.0, 0.0], [50.0, 40.0]], 0.0);
+    let mut points = Points::new(&program);
+    points.modes = program.modes.iter().map(|mode| mode.initial).collect();
+    let kernel = Kernel::new(&program, &points.modes, &[]).unwrap();
+    let mut formation = Formation::of(&kernel);
+    for lane in 0..LANES {
+        // A falls by what B has in a second; below -10 V the table turns.
+        points.states = vec![if lane % 3 == 1 { -9.99 } else { 5.0 }, 20.0];
+        formation.board(&kernel, lane, &points.frame(&kernel).unwrap());
+    }
+    let steps = Steps { begin: 0.0, grid: Grid::new(1e-3), first: 1, count: 9 };
+    assert_eq!(kernel.steps(&mut formation.frame, &program.tables, &steps), 0);
+    assert_eq!(formation.beyond(), 0x2492);
+    let mut one = kernel.frame();
+    (0..LANES).filter(|lane| lane % 3 == 1).for_each(|lane| formation.leave(&kernel, lane, &mut one));
+    assert_eq!(one.states, [-9.99, 20.0]);
+    formation.go_without(&kernel, 1e-3);
+    assert_eq!((formation.aboard(), formation.time()), (0xffff & !0x2492, 1e-3));
+    assert_eq!(kernel.steps(&mut formation.frame, &program.tables, &steps.after(1)), 8);
 }
 
 #[test]

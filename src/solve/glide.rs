@@ -24,15 +24,15 @@ pub(super) struct Glider {
 /// A kernel at work.
 #[derive(Debug, Clone)]
 pub(super) struct Flight {
-    folded: Arc<Folded>,
+    pub folded: Arc<Folded>,
     backend: Backend,
-    frame: Frame<f64>,
+    pub frame: Frame<f64>,
     /// Whether the factors have to be worked out for the machine's coefficients.
     is_due: bool,
 }
 
 /// After so many steps states that are too small to matter are set to 0.
-const SWEPT: u64 = 64;
+pub(super) const SWEPT: u64 = 64;
 /// So many flights are kept.
 const MOST_FLIGHTS: usize = 64;
 /// More crossings than this within one step are left to the step that tells of chatter.
@@ -128,28 +128,36 @@ impl Flight {
     }
 }
 
+/// A flight that is under way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Aloft {
+    /// Its index.
+    flight: usize,
+    /// So many steps are left before anything that is known to come.
+    pub left: u64,
+    /// Whether something is known to be met in the next step.
+    pub meets: bool,
+}
+
 impl Machine<'_> {
-    /// Goes steps of a grid as long as they are quiet, and tells how many were gone. The machine may then be within
-    /// the next one.
-    pub(super) fn glide(&mut self, steps: Steps, witness: &mut impl Witness) -> Result<u64, RunError> {
+    /// Begins a flight where the machine is, if that can be: before steps of a grid.
+    pub(super) fn take_off(&mut self, steps: Steps) -> Option<Aloft> {
         let may = self.glider.backend != Backend::Reference && self.sensitivities.is_none();
         if !may || !self.is_calm() {
-            return Ok(0);
+            return None;
         }
-        let steps = Steps { count: self.steps_before_jump(steps), ..steps };
-        if steps.count == 0 {
-            return Ok(0);
+        let left = self.steps_before_jump(steps);
+        if left == 0 {
+            return None;
         }
         let mut glider = std::mem::take(&mut self.glider);
-        let gone = match glider.flight(self) {
-            Some(index) => self.fly(&mut glider.flights[index], steps, witness),
-            None => {
-                glider.backend = Backend::Reference;
-                Ok(0)
-            }
-        };
+        let flight = glider.flight(self);
+        if flight.is_none() {
+            glider.backend = Backend::Reference;
+        }
+        let begun = flight.filter(|index| glider.flights[*index].begin(self));
         self.glider = glider;
-        gone
+        begun.map(|flight| Aloft { flight, left, meets: false })
     }
 
     /// Whether no amplifier is asked for more than it can give: no integrator is held at ±100 V and driven on. A kernel would
@@ -171,22 +179,49 @@ impl Machine<'_> {
         steps.before(self.end_of_stretch(f64::INFINITY), 1e-9 * self.step)
     }
 
-    fn fly(
+    /// A flight that is under way.
+    pub(super) fn flight_mut(&mut self, aloft: Aloft) -> &mut Flight {
+        &mut self.glider.flights[aloft.flight]
+    }
+
+    /// Its kernel.
+    pub(super) fn kernel_of(&self, aloft: Aloft) -> &Arc<Folded> {
+        &self.glider.flights[aloft.flight].folded
+    }
+
+    /// Does something with a flight that is under way.
+    pub(super) fn with_flight<T>(
+        &mut self,
+        aloft: Aloft,
+        act: impl FnOnce(&mut Self, &mut Flight) -> T,
+    ) -> T {
+        let mut glider = std::mem::take(&mut self.glider);
+        let done = act(self, &mut glider.flights[aloft.flight]);
+        self.glider = glider;
+        done
+    }
+
+    /// Goes steps of a grid as long as they are quiet, and tells how many were gone. Where these are not all, the machine
+    /// is on its way through the next.
+    pub(super) fn fly(&mut self, aloft: Aloft, steps: Steps, witness: &mut impl Witness) -> u64 {
+        self.with_flight(aloft, |machine, flight| machine.fly_with(flight, steps, aloft.meets, witness))
+    }
+
+    fn fly_with(
         &mut self,
         flight: &mut Flight,
         steps: Steps,
+        mut meets: bool,
         witness: &mut impl Witness,
-    ) -> Result<u64, RunError> {
-        if !flight.begin(self) {
-            return Ok(0);
-        }
-        let (mut gone, mut is_quiet) = (0, true);
-        while is_quiet && gone < steps.count {
+    ) -> u64 {
+        let mut gone = 0;
+        while gone < steps.count {
             let left = steps.after(gone);
             // Dust is swept on a grid of its own, so that what is recorded changes nothing.
             let count = left.until(witness.next_sample()).min(left.up_to_multiple_of(SWEPT));
-            let block = Steps { count, ..left };
+            let block = Steps { count: if meets { 0 } else { count }, ..left };
             let done = flight.steps(&self.program.tables, &block);
+            meets = false;
             self.work.steps += done;
             self.work.evaluations += 4 * done;
             if done > 0 {
@@ -196,18 +231,26 @@ impl Machine<'_> {
             gone += done;
             // What is met is crossed, and a sample within a step is read off that step.
             if done < count || count == 0 {
-                is_quiet = self.fly_across(flight, left.end_of(done), witness);
-                gone += u64::from(is_quiet);
+                if !self.fly_across(flight, left.end_of(done), witness) {
+                    break;
+                }
+                gone += 1;
             }
-            if is_quiet && steps.after(gone).up_to_multiple_of(SWEPT) == SWEPT {
+            if steps.after(gone).up_to_multiple_of(SWEPT) == SWEPT {
                 without_dust(&mut flight.frame.states);
             }
         }
-        // What was looked at last may lie beyond what stopped it.
-        flight.show(&self.program.tables);
-        witness.landed(flight);
-        self.land(flight)?;
-        Ok(gone)
+        gone
+    }
+
+    /// Ends a flight where it is.
+    pub(super) fn come_down(&mut self, aloft: Aloft, witness: &mut impl Witness) -> Result<(), RunError> {
+        self.with_flight(aloft, |machine, flight| {
+            // What was looked at last may lie beyond what stopped it.
+            flight.show(&machine.program.tables);
+            witness.landed(flight);
+            machine.land(flight)
+        })
     }
 
     /// Goes on to the end of a step in which something is met, across every corner. Where it is something else, stops

@@ -10,7 +10,7 @@ use super::run::check_tolerance;
 use super::sensitivity::Sensitivities;
 use super::tableau::{CLASSICAL, DORMAND_PRINCE, Tableau};
 use crate::grid::Grid;
-use crate::kernel::{Backend, Steps};
+use crate::kernel::Backend;
 use crate::program::{Program, Scratch, Sources};
 use crate::trace::{Overload, Work};
 
@@ -74,7 +74,7 @@ pub struct Machine<'p> {
     /// How far every integrator has been driven on while it was held at a limit, in volts.
     pub(super) pushed: Vec<f64>,
     pub(super) step: f64,
-    grid: Grid,
+    pub(super) grid: Grid,
     pub(super) glider: Glider,
     /// How long steps are, where they are not all as long as `step`.
     pub(super) control: Option<Control>,
@@ -256,33 +256,12 @@ impl<'p> Machine<'p> {
 
     /// The same, seen by a witness.
     pub(super) fn operate_with(&mut self, length: f64, witness: &mut impl Witness) -> Result<(), RunError> {
-        if !(length >= 0.0 && length.is_finite()) {
-            return Err(RunError::NotATime { which: TimeSetting::Duration, value: length });
-        }
-        self.mode = MachineMode::Operate;
+        let mut operation = self.begin_operation(length)?;
         if self.control.is_some() {
             return self.operate_within_tolerance(self.time + length, witness);
         }
-        let begin = self.time;
-        let whole = self.grid.steps_in(length);
-        let mut steps = Steps { begin, grid: self.grid, first: 1, count: whole };
-        while steps.count > 0 {
-            if self.is_stopped_by(witness) {
-                return Ok(());
-            }
-            steps = steps.after(self.glide(steps, witness)?);
-            if steps.count > 0 {
-                self.advance(steps.end_of(0), witness)?;
-                steps = steps.after(1);
-            }
-        }
-        let end = begin + length;
-        // What is left beyond the last whole step, unless it is rounding.
-        if end - self.time > 1e-9 * self.step && !self.is_stopped_by(witness) {
-            self.advance(end, witness)?;
-        }
-        self.is_stopped_by(witness);
-        Ok(())
+        self.go_on(&mut operation, u64::MAX, witness)?;
+        self.end_operation(operation, witness)
     }
 
     /// Goes into hold when the witness has seen enough.

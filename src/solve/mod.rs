@@ -2,6 +2,7 @@
 
 mod breaks;
 mod control;
+mod convoy;
 mod delay_line;
 mod error;
 mod events;
@@ -11,6 +12,7 @@ mod linear;
 mod locate;
 mod machine;
 mod noise_source;
+mod operation;
 mod overload;
 mod peaks;
 mod player;
@@ -29,4 +31,4 @@ pub use crate::trace::{Overload, Work};
 pub use error::{RunError, Stopped, TimeSetting};
 pub use hands::preset;
 pub use machine::{Machine, MachineMode};
-pub use run::{RunSettings, check, machine_after, run, run_watched};
+pub use run::{RunSettings, check, machine_after, run, run_abreast, run_watched};

@@ -9,14 +9,22 @@ use crate::trace::{Deed, Ending, NewValue, Trace};
 
 /// A machine, the recorder beside it, and where in the run they are.
 pub(super) struct Player<'p, 'w> {
-    machine: Machine<'p>,
-    recorder: Recorder<'w>,
+    pub machine: Machine<'p>,
+    pub recorder: Recorder<'w>,
     /// Seconds still to be operated, at most.
     left: f64,
     /// By the recorder's clock, all runs added up, when it is over; with infinity, at the end of its phases.
     end: f64,
     /// Whether an overload ended the sweep: what takes time is passed over until the next initial condition.
     is_held: bool,
+}
+
+/// A phase in which the machine operates.
+pub(super) struct Operating<'p> {
+    /// For so many seconds at most.
+    pub time: f64,
+    /// The relay that may end it before.
+    relay: Option<&'p Switch>,
 }
 
 impl<'p, 'w> Player<'p, 'w> {
@@ -63,17 +71,15 @@ impl<'p, 'w> Player<'p, 'w> {
         phases.iter().try_for_each(|phase| self.one(phase))
     }
 
-    fn one(&mut self, phase: &Phase) -> Result<(), RunError> {
-        if let Phase::Operate { time, .. } = phase {
-            self.left -= time;
-        }
+    /// Goes through one phase.
+    pub fn one(&mut self, phase: &Phase) -> Result<(), RunError> {
         match phase {
+            Phase::Operate { time, until } => self.operate(*time, until.as_ref()),
             _ if self.is_over() => Ok(()),
             Phase::InitialCondition => self.initial_condition(),
             Phase::Set { changes } => self.set(changes),
             Phase::Repeat { times, phases } => self.repeat(*times, phases),
-            Phase::Operate { .. } | Phase::Hold { .. } if self.is_held => Ok(()),
-            Phase::Operate { time, until } => self.operate(time.min(self.rest()), until.as_ref()),
+            Phase::Hold { .. } if self.is_held => Ok(()),
             Phase::Hold { time } => self.hold(time.min(self.rest())),
         }
     }
@@ -109,6 +115,22 @@ impl<'p, 'w> Player<'p, 'w> {
     }
 
     fn operate(&mut self, time: f64, until: Option<&Until>) -> Result<(), RunError> {
+        let Some(operating) = self.begin_operating(time, until)? else { return Ok(()) };
+        let outcome = self.machine.operate_with(operating.time, &mut self.recorder);
+        self.end_operating(operating, outcome)
+    }
+
+    /// Begins a phase in which the machine operates; nothing where it is passed over.
+    pub fn begin_operating(
+        &mut self,
+        time: f64,
+        until: Option<&Until>,
+    ) -> Result<Option<Operating<'p>>, RunError> {
+        self.left -= time;
+        if self.is_over() || self.is_held {
+            return Ok(None);
+        }
+        let time = time.min(self.rest());
         self.recorder.show(&self.machine);
         let program = self.machine.program;
         let relay = until.map(|until| relay(program, until)).transpose()?;
@@ -121,12 +143,21 @@ impl<'p, 'w> Player<'p, 'w> {
         let named = |until: &Until| {
             (until.relay.value.clone(), until.becomes.as_ref().map(|position| position.value.clone()))
         };
-        self.marked(Deed::Operate { until: until.map(named) }, |player| {
-            let outcome = player.machine.operate_with(time, &mut player.recorder);
-            let watch = player.recorder.watch.take().filter(|watch| watch.is_met);
-            outcome?;
-            Ok(player.ending(relay.zip(watch).map(|((relay, _), watch)| position(relay, watch))))
-        })
+        self.recorder.mark(&self.machine, Deed::Operate { until: until.map(named) });
+        Ok(Some(Operating { time, relay: relay.map(|(relay, _)| relay) }))
+    }
+
+    /// Ends it when the machine has operated.
+    pub fn end_operating(
+        &mut self,
+        operating: Operating<'p>,
+        outcome: Result<(), RunError>,
+    ) -> Result<(), RunError> {
+        let watch = self.recorder.watch.take().filter(|watch| watch.is_met);
+        let switched = operating.relay.zip(watch).map(|(relay, watch)| position(relay, watch));
+        let ending = outcome.map(|()| self.ending(switched));
+        self.recorder.mark_end(&self.machine, ending.clone().unwrap_or(Ending::Stopped));
+        ending.map(drop)
     }
 
     /// Why operating ended, by its clock or before.
@@ -209,7 +240,8 @@ impl<'p, 'w> Player<'p, 'w> {
     }
 }
 
-fn begins_in_initial_condition(phases: &[Phase]) -> bool {
+/// Whether the first thing done is to go into initial condition.
+pub(super) fn begins_in_initial_condition(phases: &[Phase]) -> bool {
     match phases.first() {
         Some(Phase::InitialCondition) => true,
         Some(Phase::Repeat { phases, .. }) => begins_in_initial_condition(phases),

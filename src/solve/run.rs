@@ -1,12 +1,13 @@
 //! A whole run: how to run, whether it can be done, and its record.
 
+use super::convoy::Convoy;
 use super::error::{RunError, Stopped, TimeSetting};
 use super::glide::Glider;
 use super::machine::Machine;
 use super::player::{self, Player};
 use super::recorder::{Recorder, SAME};
 use crate::circuit::Circuit;
-use crate::kernel::Backend;
+use crate::kernel::{Backend, Kernel, LANES};
 use crate::patch::{Extent, LEAST_TOLERANCE, Phase, RunPlan};
 use crate::program::Program;
 use crate::trace::Trace;
@@ -89,6 +90,12 @@ impl RunSettings {
         Extent::of(&self.phases).recorded
     }
 
+    /// Whether runs of a program with these settings gain by being made side by side.
+    pub(crate) fn go_abreast(&self, program: &Program) -> bool {
+        let are_equal = self.tolerance.is_none() && self.sensitivities.is_empty();
+        are_equal && self.backend.goes_abreast() && Kernel::can_be_of(program)
+    }
+
     /// Whether a run can be made of the settings.
     ///
     /// # Errors
@@ -116,17 +123,23 @@ impl RunSettings {
         if self.tolerance.is_none() && steps > MOST_STEPS {
             return Err(RunError::TooManySteps { steps, most: MOST_STEPS });
         }
+        let numbers = self.numbers();
+        if numbers > MOST_NUMBERS {
+            return Err(RunError::TooManyNumbers { numbers, most: MOST_NUMBERS });
+        }
+        Ok(())
+    }
+
+    /// How many numbers are recorded, at most.
+    pub(crate) fn numbers(&self) -> f64 {
+        let extent = Extent::of(&self.phases);
         // Every phase may write a sample where it begins, and one where it ends.
         let rows = (extent.recorded / self.every).floor() + 2.0 * extent.phases;
         let marks = (extent.phases + extent.changes) * NUMBERS_OF_A_MARK;
         // Every phase may begin a run, too.
         let tracks = self.record.len() * (1 + self.sensitivities.len());
         let courses = extent.phases * tracks as f64 * NUMBERS_OF_A_COURSE;
-        let numbers = rows * (tracks + 1) as f64 + marks + courses;
-        if numbers > MOST_NUMBERS {
-            return Err(RunError::TooManyNumbers { numbers, most: MOST_NUMBERS });
-        }
-        Ok(())
+        rows * (tracks + 1) as f64 + marks + courses
     }
 }
 
@@ -189,6 +202,37 @@ pub fn run_watched(
 ) -> Result<Trace, Stopped> {
     let mut player = ready(program, settings, progress)?;
     let outcome = player.run(&settings.phases);
+    told(player, outcome)
+}
+
+/// Runs programs side by side, each as [`run`] would; those that differ in their parameters alone take their quiet steps
+/// together (with [`Backend::Lanes`] and [`Backend::Automatic`]).
+pub fn run_abreast(programs: &[Program], settings: &RunSettings) -> Vec<Result<Trace, Stopped>> {
+    if programs.len() < 2 || !programs.iter().all(|program| settings.go_abreast(program)) {
+        return programs.iter().map(|program| run(program, settings)).collect();
+    }
+    programs.chunks(LANES).flat_map(|programs| in_convoy(programs, settings)).collect()
+}
+
+fn in_convoy(programs: &[Program], settings: &RunSettings) -> Vec<Result<Trace, Stopped>> {
+    let mut progress = vec![|_: f64| (); programs.len()];
+    let mut players = Vec::new();
+    let pairs = programs.iter().zip(&mut progress);
+    let begun = pairs
+        .map(|(program, progress)| ready(program, settings, progress).map(|player| players.push(player)));
+    let begun: Vec<Result<(), RunError>> = begun.collect();
+    let mut convoy = Convoy::new(players, settings.backend);
+    convoy.run(&settings.phases);
+    let mut ended = convoy.into_players().map(|(player, outcome)| told(player, outcome));
+    let outcomes = begun.into_iter().filter_map(|begun| match begun {
+        Ok(()) => ended.next(),
+        Err(error) => Some(Err(error.into())),
+    });
+    outcomes.collect()
+}
+
+/// What came of a run.
+fn told(player: Player<'_, '_>, outcome: Result<(), RunError>) -> Result<Trace, Stopped> {
     let trace = player.finish();
     match outcome {
         Ok(()) => Ok(trace),
@@ -222,7 +266,7 @@ pub fn check(program: &Program, settings: &RunSettings) -> Result<(), RunError> 
 }
 
 /// A machine and its recorder, everything checked.
-fn ready<'p, 'w>(
+pub(super) fn ready<'p, 'w>(
     program: &'p Program,
     settings: &RunSettings,
     progress: &'w mut dyn FnMut(f64),

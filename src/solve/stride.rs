@@ -5,7 +5,7 @@ use super::tableau::{Share, Tableau};
 use crate::machines::REFERENCE;
 
 /// States smaller than this, in volts, are 0: processors are slow on the smallest numbers.
-const SMALLEST: f64 = 1e-100;
+pub(super) const SMALLEST: f64 = 1e-100;
 
 impl Machine<'_> {
     /// Looks ahead by a step of this length, from the present states and their rates: states and voltages at its

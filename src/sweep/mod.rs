@@ -22,6 +22,7 @@ use std::mem;
 use std::path::Path;
 
 use crate::instruments::{Column, Measure};
+use crate::kernel::LANES;
 use crate::program::Program;
 use crate::solve::{Backend, Phase, RunError, RunSettings};
 use crate::trace::number;
@@ -66,6 +67,11 @@ pub struct Tally {
     /// Runs among them of which something could not be read, or in which something was overloaded.
     pub noted: u64,
 }
+
+/// So many runs for each thread may wait in memory for a slower one before them.
+const AHEAD: u64 = 64;
+/// What is recorded of all runs that a thread makes side by side comes to no more numbers, unless that of one does.
+const MOST_NUMBERS: f64 = 1e7;
 
 /// The last two columns: the code of what went wrong, and in words why cells are empty and what to know of the rest.
 const LAST_COLUMNS: [&str; 2] = ["error", "note"];
@@ -227,6 +233,15 @@ impl Sweep {
         Ok(Tally { kept, ..tally })
     }
 
+    /// How many runs a thread makes side by side: not more than leave the others something to do, nor than have room in memory.
+    fn abreast(&self, left: u64, threads: u64) -> u64 {
+        if !self.settings.go_abreast(&self.program) {
+            return 1;
+        }
+        let room = (MOST_NUMBERS / self.settings.numbers()) as u64;
+        left.div_ceil(threads).min(room).clamp(1, LANES as u64)
+    }
+
     /// Makes the runs from one on, and gives their rows to the writer in order.
     fn rows_from<E>(
         &self,
@@ -235,22 +250,29 @@ impl Sweep {
         progress: &mut dyn FnMut(u64),
         mut write: impl FnMut(&str) -> Result<(), E>,
     ) -> Result<Tally, E> {
-        let runs = self.plan.runs();
-        let threads = (threads.max(1) as u64).min(runs.saturating_sub(first).max(1));
+        let left = self.plan.runs().saturating_sub(first);
+        let threads = (threads.max(1) as u64).min(left.max(1));
+        let abreast = self.abreast(left, threads);
         let benches: Vec<_> = (0..threads).map(|_| self.bench()).collect();
         let mut tally = Tally::default();
         progress(first);
         pool::in_order(
-            first..runs,
+            0..left.div_ceil(abreast),
+            AHEAD.div_ceil(abreast),
             benches,
-            |bench, run| bench.row(&self.plan.values(run)),
-            |row: Row| {
-                write(&row.line())?;
-                tally.written += 1;
-                tally.failed += u64::from(row.error.is_some());
-                tally.noted += u64::from(row.error.is_none() && !row.notes.is_empty());
-                progress(first + tally.written);
-                Ok(())
+            |bench, group| {
+                let runs = group * abreast..((group + 1) * abreast).min(left);
+                bench.rows(&runs.map(|run| self.plan.values(first + run)).collect::<Vec<_>>())
+            },
+            |rows: Vec<Row>| {
+                rows.iter().try_for_each(|row| {
+                    write(&row.line())?;
+                    tally.written += 1;
+                    tally.failed += u64::from(row.error.is_some());
+                    tally.noted += u64::from(row.error.is_none() && !row.notes.is_empty());
+                    progress(first + tally.written);
+                    Ok(())
+                })
             },
         )?;
         Ok(tally)

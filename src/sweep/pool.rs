@@ -6,15 +6,13 @@ use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-/// How far the fastest thread may be ahead of what was taken, for each thread: what waits for a slow run stays in
-/// memory.
-const AHEAD: u64 = 64;
-
 /// Does the work of every index on so many threads, each with an object of its own, and gives the results to `take` in
-/// the order of the indices, on this thread. Where the system gives fewer threads, these do it all; where it gives none,
+/// the order of the indices, on this thread. For each thread, the fastest may be so many ahead of what was taken: what waits
+/// for a slow one stays in memory. Where the system gives fewer threads, these do it all; where it gives none,
 /// this one. When `take` refuses a result, what has begun is finished and the rest left.
 pub(super) fn in_order<W, T: Send, E>(
     indices: Range<u64>,
+    ahead: u64,
     workers: Vec<W>,
     work: impl Fn(&mut W, u64) -> T + Sync,
     mut take: impl FnMut(T) -> Result<(), E>,
@@ -22,7 +20,7 @@ pub(super) fn in_order<W, T: Send, E>(
 where
     W: Send,
 {
-    let window = AHEAD * workers.len() as u64;
+    let window = ahead * workers.len() as u64;
     let (queue, count, workers) = (Queue::new(indices.clone(), window), workers.len(), Mutex::new(workers));
     let worker = || workers.lock().unwrap_or_else(PoisonError::into_inner).pop();
     let run = || {
@@ -152,6 +150,8 @@ mod tests {
     use super::*;
     use std::sync::atomic::{AtomicU64, Ordering};
 
+    const AHEAD: u64 = 64;
+
     /// What a thousand pieces of uneven work come to, and how far the fastest was ahead.
     fn thousand(threads: usize) -> (Vec<u64>, u64) {
         let (taken, furthest) = (AtomicU64::new(0), AtomicU64::new(0));
@@ -167,7 +167,7 @@ mod tests {
             taken.fetch_add(1, Ordering::SeqCst);
             Ok::<(), ()>(())
         };
-        in_order(0..1000, vec![0; threads], work, take).unwrap();
+        in_order(0..1000, AHEAD, vec![0; threads], work, take).unwrap();
         (results, furthest.into_inner())
     }
 
@@ -188,9 +188,9 @@ mod tests {
             index
         };
         let take = |index| if index == 10 { Err("full") } else { Ok(()) };
-        assert_eq!(in_order(0..1_000_000, vec![(), ()], work, take), Err("full"));
+        assert_eq!(in_order(0..1_000_000, AHEAD, vec![(), ()], work, take), Err("full"));
         assert!(done.load(Ordering::SeqCst) <= 11 + 2 * AHEAD + 2);
-        assert_eq!(in_order(5..5, vec![()], work, |_| Err("none is due")), Ok(()));
+        assert_eq!(in_order(5..5, AHEAD, vec![()], work, |_| Err("none is due")), Ok(()));
     }
 
     #[test]
@@ -205,7 +205,7 @@ mod tests {
                 broken(taking)(index);
                 Ok::<(), ()>(())
             };
-            std::panic::catch_unwind(|| in_order(0..1_000_000, vec![(), ()], work, take))
+            std::panic::catch_unwind(|| in_order(0..1_000_000, AHEAD, vec![(), ()], work, take))
         });
         assert!(outcomes.iter().all(Result::is_err), "{outcomes:?}");
     }

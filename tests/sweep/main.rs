@@ -1,11 +1,14 @@
 //! Sweeps: the same rows whatever turned the pots, however many threads work, whenever it was killed.
 
+#[path = "../sensitivity/circuits.rs"]
+mod circuits;
 #[path = "../common/mod.rs"]
 mod common;
 #[allow(dead_code, reason = "this binary takes what it needs")]
 #[path = "../thesis/dice.rs"]
 mod dice;
 mod killed;
+mod lanes;
 mod measures;
 mod page;
 

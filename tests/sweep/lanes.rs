@@ -1,0 +1,163 @@
+//! Runs side by side are those that each is alone, to the last bit.
+
+use patchcord::patch::{Patch, Phase};
+use patchcord::program::Program;
+use patchcord::solve::{self, Backend, RunSettings, Stopped};
+use patchcord::trace::Trace;
+
+use super::circuits;
+use super::common::traces::bits;
+use super::common::{self, element, slideway, volts};
+use super::dice::Dice;
+use super::{near, program, rows, sweep};
+
+/// Everything that a run leaves.
+fn left(outcome: &Result<Trace, Stopped>) -> (Option<String>, &Trace) {
+    match outcome {
+        Ok(trace) => (None, trace),
+        Err(stopped) => (Some(stopped.error.to_string()), &stopped.trace),
+    }
+}
+
+/// Runs programs abreast and alone; how many of the runs had to stop.
+fn compared(programs: &[Program], settings: &RunSettings, told: &str) -> usize {
+    let on = |backend| RunSettings { backend, ..settings.clone() };
+    let alone: Vec<_> =
+        programs.iter().map(|program| solve::run(program, &on(Backend::Interpreter))).collect();
+    for backend in [Backend::Lanes, Backend::Automatic] {
+        let abreast = solve::run_abreast(programs, &on(backend));
+        assert_eq!(abreast.len(), alone.len());
+        for (index, (abreast, alone)) in abreast.iter().zip(&alone).enumerate() {
+            let [(error, trace), (expected, other)] = [left(abreast), left(alone)];
+            assert_eq!(error, expected, "{told} by {backend}: run {index}");
+            assert!(trace == other && bits(trace) == bits(other), "{told} by {backend}: run {index}");
+        }
+    }
+    alone.iter().filter(|outcome| outcome.is_err()).count()
+}
+
+/// So many steps of what a patch asks for, recorded within steps too.
+fn some_of(settings: RunSettings, steps: f64) -> RunSettings {
+    let settings = RunSettings { tolerance: None, sensitivities: Vec::new(), ..settings };
+    let asked = settings.whole() / settings.step;
+    let settings = if asked > steps { settings.clone().lasting(steps * settings.step) } else { settings };
+    RunSettings { every: (7.3 * settings.step).min(settings.duration()), ..settings }
+}
+
+#[test]
+fn every_shipped_patch() {
+    let mut runs = 0;
+    for file in common::files::shipped() {
+        let patch = common::patch_of(&file);
+        let (circuit, own) = program(&patch, &[]).unwrap();
+        let turned = [0.05, 0.3, 0.0, 0.15, 0.02, 0.5].map(|toward| {
+            let (changes, mut turned) = (near(&patch, toward), own.clone());
+            let named: Vec<_> = changes.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+            solve::preset(&mut turned, &named).ok().map(|()| turned)
+        });
+        let programs: Vec<_> = turned.into_iter().flatten().collect();
+        let settings = some_of(RunSettings::of(&circuit).unwrap(), 6000.0);
+        compared(&programs, &settings, &file.display().to_string());
+        runs += programs.len();
+    }
+    assert!(runs > 120, "{runs}");
+}
+
+/// More circuits than there are lanes, of everything that bends, switches, stops and remembers.
+#[test]
+fn random_circuits() {
+    let mut dice = Dice(32);
+    for number in 0..25 {
+        let (circuit, own) = program(&circuits::circuit(&mut dice), &[]).unwrap();
+        let record = ["A0", "A1", "A2", "N0", "N3", "u", "w"].map(str::to_owned).to_vec();
+        let settings = RunSettings { step: 1.3e-3, record, ..RunSettings::of(&circuit).unwrap() };
+        let programs: Vec<_> = (0..19).map(|_| turned(&own, &mut dice)).collect();
+        compared(&programs, &some_of(settings.lasting(2.0), f64::INFINITY), &format!("circuit {number}"));
+    }
+}
+
+/// The same program with its parameters set by chance.
+fn turned(program: &Program, dice: &mut Dice) -> Program {
+    let mut turned = program.clone();
+    let values = circuits::PARAMETERS.map(|name| (name, dice.even(0.3, 0.9)));
+    solve::preset(&mut turned, &values).unwrap();
+    turned
+}
+
+/// An integrator that its own relay turns back: with hysteresis it swings, without it the relay chatters once it is met. A
+/// second one follows it.
+fn kept_by_a_relay() -> Patch {
+    let relay = element("relay").cord("in", "A1").cord("on", "+100").cord("off", "-100");
+    let builder = volts("kept by a relay")
+        .parameter("start", 40.0, "1", [-90.0, 90.0])
+        .parameter("hysteresis", 1.0, "1", [1e-9, 10.0])
+        .element("K1", relay.set("pull_in", "hysteresis").set("drop_out", "-hysteresis"))
+        .element("A1", element("integrator").cords("x1", ["K1"]).set("initial", "start"))
+        .element("A2", element("integrator").cords("x10", ["A1"]));
+    builder.build().unwrap()
+}
+
+fn set(program: &Program, values: &[(&str, f64)]) -> Program {
+    let mut program = program.clone();
+    solve::preset(&mut program, values).unwrap();
+    program
+}
+
+#[test]
+fn runs_that_stop_leave_the_others_alone() {
+    let (circuit, own) = program(&kept_by_a_relay(), &[]).unwrap();
+    let record = vec!["A1".to_owned(), "K1".to_owned()];
+    let settings = RunSettings { record, every: 0.013, ..RunSettings::of(&circuit).unwrap() }.lasting(1.0);
+    // Every third chatters, each at another time; one from the beginning.
+    let programs: Vec<_> = (0..16)
+        .map(|run| {
+            let hysteresis = if run % 3 == 0 { 1e-9 } else { 0.5 + f64::from(run) / 10.0 };
+            set(&own, &[("start", f64::from(5 * run)), ("hysteresis", hysteresis)])
+        })
+        .collect();
+    assert_eq!(compared(&programs, &settings, "kept by a relay"), 6);
+}
+
+/// Phases that end for every run in its own time, by a relay or by an overload, so that the others are elsewhere.
+#[test]
+fn runs_that_part_stay_what_they_are() {
+    let (circuit, own) = program(&kept_by_a_relay(), &[]).unwrap();
+    let phases = vec![
+        Phase::operate_until(0.6, "K1", None),
+        Phase::Hold { time: 0.1 },
+        Phase::operate(0.3),
+        Phase::set("hysteresis", 2.0),
+        Phase::operate(0.2),
+        Phase::Repeat { times: 2, phases: vec![Phase::InitialCondition, Phase::operate(0.15)] },
+    ];
+    let record = ["A1", "A2", "K1"].map(str::to_owned).to_vec();
+    let settings = RunSettings { record, every: 0.01, phases, ..RunSettings::of(&circuit).unwrap() };
+    let start = |run: u32| [("start", f64::from(6 * run) - 20.0)];
+    let programs: Vec<_> = (0..16).map(|run| set(&own, &start(run))).collect();
+    for hold_on_overload in [false, true] {
+        let settings = RunSettings { hold_on_overload, ..settings.clone() };
+        assert_eq!(compared(&programs, &settings, "phases"), 0);
+        let traces = programs.iter().map(|program| solve::run(program, &settings).unwrap());
+        let overloaded = traces.filter(|trace| trace.overloads().next().is_some()).count();
+        assert!((4..12).contains(&overloaded), "{overloaded}");
+    }
+}
+
+#[test]
+fn the_table_is_the_same_on_any_number_of_threads() {
+    let with = |backend| {
+        sweep(
+            &slideway(),
+            &["VcL=1.27e-3:25.4e-3:5:log", "Tc=0.006:0.025:9"],
+            &["peak:v_o", "stick_end", "frequency:v_o,last=0.1"],
+            |own| RunSettings { backend, ..own.lasting(0.25) },
+        )
+    };
+    let alone = rows(&with(Backend::Interpreter), 1);
+    assert_eq!(alone.len(), 45);
+    for backend in [Backend::Lanes, Backend::Automatic] {
+        for threads in [1, 2, 3, 20] {
+            assert_eq!(rows(&with(backend), threads), alone, "{backend}, {threads} threads");
+        }
+    }
+}
