@@ -67,11 +67,16 @@ impl Formation {
         }
     }
 
-    /// Shows a frame when its lane is, and what is recorded there.
+    /// Works everything out where it is.
+    pub fn work_out(&mut self, kernel: &Kernel, tables: &[Vec<[f64; 2]>]) {
+        kernel.show(&mut self.frame, tables);
+    }
+
+    /// Shows a frame when its lane is, and what is recorded as it was worked out last.
     pub fn show(&self, kernel: &Kernel, lane: usize, one: &mut Frame<f64>) {
         one.time = self.frame.time;
-        for slot in &kernel.seen {
-            let slot = *slot as usize;
+        for seen in &kernel.seen {
+            let slot = seen.slot as usize;
             one.slots[slot] = self.frame.slots[slot].get(lane);
         }
     }

@@ -33,7 +33,7 @@ pub(crate) struct Frame<V> {
     /// Between which numbers the voltage of every fence must stay.
     pub(super) lows: Vec<V>,
     pub(super) highs: Vec<V>,
-    /// What was seen of every voltage that is recorded.
+    /// What was seen of the voltages that are followed.
     pub(super) extremes: Extremes<V>,
     /// A bit for every lane that counts: what is met in others is not looked at.
     pub(super) aboard: u64,
@@ -49,7 +49,7 @@ pub(super) struct Stretch<V> {
     pub rates: Vec<V>,
 }
 
-/// The least and the largest of every recorded voltage, and when each was met first.
+/// The least and the largest of voltages, and when each was met first.
 #[derive(Debug, Clone)]
 pub(super) struct Extremes<V> {
     pub least: Vec<V>,
@@ -79,7 +79,7 @@ impl Kernel {
             rooms: zeros(self.watches.len()),
             lows: zeros(self.fences.len()),
             highs: zeros(self.fences.len()),
-            extremes: Extremes::of(self.turning.len()),
+            extremes: Extremes::of(self.followed.len()),
             aboard: 1,
             beyond: 0,
         }
@@ -137,13 +137,6 @@ impl<V: Lane> Extremes<V> {
         }
         self.most.fill(V::splat(f64::NEG_INFINITY));
     }
-
-    fn in_order(&self, index: usize, lane: usize) -> [(f64, f64); 2] {
-        let [least, least_at, most, most_at] =
-            [&self.least, &self.least_at, &self.most, &self.most_at].map(|all| all[index].get(lane));
-        let (least, most) = ((least_at, least), (most_at, most));
-        if least_at <= most_at { [least, most] } else { [most, least] }
-    }
 }
 
 impl<V: Lane> Frame<V> {
@@ -161,16 +154,22 @@ impl<V: Lane> Frame<V> {
         self.slots[kernel.layout.kept..kernel.layout.noise].iter().map(move |slot| slot.get(lane))
     }
 
-    /// A voltage that is recorded, as it was at what was looked at last.
+    /// A voltage that is recorded, as it was worked out last.
     pub fn last_seen(&self, kernel: &Kernel, index: usize, lane: usize) -> f64 {
-        self.slots[kernel.seen[index] as usize].get(lane)
+        self.slots[kernel.seen[index].slot as usize].get(lane)
     }
 
     /// The least and the largest of a recorded voltage with their instants, in the order in which they were met; none of
-    /// one that did not turn.
+    /// one that cannot turn.
     pub fn extremes(&self, kernel: &Kernel, index: usize, lane: usize) -> Option<[(f64, f64); 2]> {
-        let place = kernel.turning.iter().position(|turning| *turning == index)?;
-        Some(self.extremes.in_order(place, lane))
+        let (at, line) = kernel.seen[index].follows?;
+        let Extremes { least, least_at, most, most_at } = &self.extremes;
+        let [constant, factor] =
+            line.map_or([0.0, 1.0], |line| line.map(|slot| self.slots[slot as usize].get(lane)));
+        let met =
+            |times: &[V], volts: &[V]| (times[at].get(lane), factor.mul_add(volts[at].get(lane), constant));
+        let (first, second) = (met(least_at, least), met(most_at, most));
+        Some(if first.0 <= second.0 { [first, second] } else { [second, first] })
     }
 
     /// Takes what was worked out last, no step away, as the present.

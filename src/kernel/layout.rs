@@ -6,8 +6,8 @@ use super::code::{Code, Instruction, Slot};
 use super::fold::{At, Corner, Terms};
 use super::form::{Atom, Factor, Form};
 use super::node::{Node, Operand, atoms, needed};
-use super::{Checks, Fence, Kernel, Layout, Posted, Watch, Watched};
-use crate::program::Program;
+use super::{Checks, Kernel, Layout, Watch, Watched};
+use crate::program::{Op, Program};
 
 /// The kernel of what was folded of a program.
 pub(super) fn laid_out(folded: Terms, program: &Program) -> Kernel {
@@ -15,15 +15,17 @@ pub(super) fn laid_out(folded: Terms, program: &Program) -> Kernel {
 }
 
 /// Gives everything its slot.
-struct Layouter {
-    folded: Terms,
+pub(super) struct Layouter {
+    pub folded: Terms,
     factors: Vec<Factor>,
     places: HashMap<Factor, Slot>,
     layout: Layout,
     /// Where every atom stands.
-    slots: Vec<Slot>,
+    pub slots: Vec<Slot>,
     /// How many operations one after the other lead to every atom.
     depths: Vec<u32>,
+    /// Of every operation of the prologue, whether it depends on the sides of corners.
+    pub given: Vec<bool>,
 }
 
 impl Layouter {
@@ -34,12 +36,21 @@ impl Layouter {
             layout: Layout::default(),
             slots: Vec::new(),
             depths: Vec::new(),
+            given: Vec::new(),
             folded,
         };
+        layouter.trace_sides();
         layouter.measure_depths();
         layouter.list_factors();
         layouter.place(program);
         layouter
+    }
+
+    fn trace_sides(&mut self) {
+        for op in &self.folded.early.ops {
+            let depends = op.operands().any(|operand| self.given[operand.index()]);
+            self.given.push(depends || matches!(op, Op::State(_)));
+        }
     }
 
     fn measure_depths(&mut self) {
@@ -89,40 +100,41 @@ impl Layouter {
         self.layout = Layout { states, time, kept, noise, results, all: next };
     }
 
-    fn operand(&self, operand: Operand) -> Slot {
+    pub fn operand(&self, operand: Operand) -> Slot {
         match operand {
             Operand::Factor(factor) => self.factor(factor),
             Operand::Atom(atom) => self.slots[atom as usize],
         }
     }
 
-    fn factor(&self, factor: Factor) -> Slot {
+    pub fn factor(&self, factor: Factor) -> Slot {
         self.places[&factor]
     }
 
     fn kernel(self) -> Kernel {
         let folded = &self.folded;
         let (watched, watched_in_middle) = self.watched();
-        let (fenced, fenced_in_middle) = self.fenced(&watched, watched_in_middle);
+        let fences = self.fences(&watched, watched_in_middle);
+        let mut followed = Vec::new();
+        let seen = folded.seen.iter().map(|operand| self.seen(*operand, &mut followed)).collect();
         let slots = |operands: &[Operand]| operands.iter().map(|operand| self.operand(*operand)).collect();
         let mut done = vec![false; folded.nodes.len()];
         let moving = self.code(&mut done, atoms(&folded.rates));
         let watched_atoms: Vec<Atom> = watched.iter().map(|(atom, _)| *atom).collect();
-        let fenced_atoms: Vec<Atom> = fenced.iter().map(|(atom, _)| *atom).collect();
         let corners = watched.iter().filter(|(_, what)| what.is_corner()).count();
         let slot = |atom: Atom| self.slots[atom as usize];
         Kernel {
             layout: self.layout,
             moving,
-            quick: self.checks(&done, &fenced_atoms, fenced_in_middle),
-            thorough: self.checks(&done, &watched_atoms, watched_in_middle),
+            quick: self.checks(&done, &fences.atoms, fences.in_middle, followed.iter().copied()),
+            thorough: self.checks(&done, &watched_atoms, watched_in_middle, atoms(&folded.seen)),
             rates: slots(&folded.rates),
             kept: slots(&folded.kept),
-            seen: slots(&folded.seen),
-            turning: (0..folded.seen.len()).filter(|index| self.may_turn(folded.seen[*index])).collect(),
+            seen,
+            followed: followed.into_iter().map(slot).collect(),
             watches: watched.into_iter().map(|(atom, what)| Watch { slot: slot(atom), what }).collect(),
             corners,
-            fences: fenced.into_iter().map(|(atom, watches)| Fence { slot: slot(atom), watches }).collect(),
+            fences: fences.all,
             still: folded.bounds.still.clone(),
             given: folded.early.given as usize,
             early: self.folded.early.ops,
@@ -152,48 +164,6 @@ impl Layouter {
         (watched, in_middle)
     }
 
-    /// What is fenced, with the watches there, and how much of it, the first, in the middle of a step too. Every state
-    /// is: it must be a number.
-    fn fenced(&self, watched: &[(Atom, Watched)], in_middle: usize) -> (Vec<(Atom, Vec<Posted>)>, usize) {
-        let mut fenced: Vec<(Atom, Vec<Posted>)> = Vec::new();
-        let mut places = HashMap::new();
-        let mut place = |fenced: &mut Vec<(Atom, Vec<Posted>)>, atom: Atom| {
-            *places.entry(atom).or_insert_with(|| {
-                fenced.push((atom, Vec::new()));
-                fenced.len() - 1
-            })
-        };
-        let mut fenced_in_middle = 0;
-        for (watch, (atom, _)) in watched.iter().enumerate() {
-            let (of, line) = match &self.folded.nodes[*atom as usize] {
-                Node::Sum(Form { constant, terms }) if terms.len() == 1 => {
-                    (terms[0].0, Some([*constant, terms[0].1].map(|factor| self.factor(factor))))
-                }
-                _ => (*atom, None),
-            };
-            let at = place(&mut fenced, of);
-            fenced[at].1.push(Posted { watch, line });
-            if watch < in_middle {
-                fenced_in_middle = fenced.len();
-            }
-        }
-        for (atom, node) in self.folded.nodes.iter().enumerate() {
-            if matches!(node, Node::State(_)) {
-                place(&mut fenced, atom as Atom);
-            }
-        }
-        (fenced, fenced_in_middle)
-    }
-
-    fn may_turn(&self, operand: Operand) -> bool {
-        let Operand::Atom(atom) = operand else { return false };
-        match &self.folded.nodes[atom as usize] {
-            Node::Time => false,
-            Node::Sum(form) => form.terms.iter().any(|(atom, _)| self.may_turn(Operand::Atom(*atom))),
-            _ => true,
-        }
-    }
-
     /// What has to be watched of a voltage between two numbers.
     fn bounds(&self, low: Factor, high: Factor) -> Vec<Watched> {
         match (low, high) {
@@ -207,10 +177,16 @@ impl Layouter {
     }
 
     /// What is worked out to look at some atoms, beyond what is done: the first of them in the middle of a step too. At
-    /// its end also what is recorded and kept.
-    fn checks(&self, done: &[bool], looked_at: &[Atom], in_middle: usize) -> Checks {
+    /// its end also what is kept, and what is seen.
+    fn checks(
+        &self,
+        done: &[bool],
+        looked_at: &[Atom],
+        in_middle: usize,
+        seen: impl Iterator<Item = Atom>,
+    ) -> Checks {
         let mut done = done.to_vec();
-        let ending = [&self.folded.kept, &self.folded.seen].into_iter().flat_map(|all| atoms(all));
+        let ending = atoms(&self.folded.kept).chain(seen);
         Checks {
             middle: self.code(&mut done, looked_at[..in_middle].iter().copied()),
             ending: self.code(&mut done, looked_at[in_middle..].iter().copied().chain(ending)),

@@ -23,6 +23,7 @@ mod native;
 #[path = "no_native.rs"]
 mod native;
 mod node;
+mod posts;
 mod sides;
 mod step;
 mod store;
@@ -65,9 +66,10 @@ pub(crate) struct Kernel {
     thorough: Checks,
     pub rates: Vec<Slot>,
     pub kept: Vec<Slot>,
-    pub seen: Vec<Slot>,
-    /// Which of these may turn within a quiet stretch: not what stands still or goes straight on in time.
-    turning: Vec<usize>,
+    /// What is recorded.
+    pub seen: Vec<Seen>,
+    /// The voltages that this follows, whose extremes are looked for.
+    followed: Vec<Slot>,
     /// Corners first, then guards, then ranges.
     pub watches: Vec<Watch>,
     corners: usize,
@@ -105,6 +107,15 @@ struct Checks {
 struct Fence {
     slot: Slot,
     watches: Vec<Posted>,
+}
+
+/// A voltage that is recorded.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen {
+    slot: Slot,
+    /// Index of the voltage that it follows, as a constant and that voltage times a factor, or as that voltage itself;
+    /// none of what stands still or goes straight on in time.
+    follows: Option<(usize, Option<[Slot; 2]>)>,
 }
 
 /// A watch at a fence, of a constant and the fence's voltage times a factor, or of that voltage itself.

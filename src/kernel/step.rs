@@ -145,13 +145,13 @@ impl Kernel {
         frame.time = time;
     }
 
-    /// Sees the voltages that are recorded at the step looked at, which ends at a time.
+    /// Sees the voltages that are followed at the step looked at, which ends at a time.
     #[inline(always)]
     fn see<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
         let now = V::splat(time);
         let Extremes { least, least_at, most, most_at } = &mut frame.extremes;
-        for (index, seen) in self.turning.iter().enumerate() {
-            let value = frame.slots[self.seen[*seen] as usize];
+        for (index, slot) in self.followed.iter().enumerate() {
+            let value = frame.slots[*slot as usize];
             least_at[index] = V::select_below(value, least[index], now, least_at[index]);
             least[index] = V::select_below(value, least[index], value, least[index]);
             most_at[index] = V::select_below(most[index], value, now, most_at[index]);

@@ -12,6 +12,7 @@ use super::player::{Operating, Player, begins_in_initial_condition};
 use super::stride::SMALLEST;
 use crate::kernel::{Backend, FEWEST_ABREAST, Folded, Formation, Steps};
 use crate::patch::{Phase, Until};
+use crate::program::Program;
 
 /// So many steps are gone at once where nobody flies beside others.
 const APART: u64 = 32;
@@ -190,9 +191,26 @@ impl Wing {
         if self.steps.up_to_multiple_of(SWEPT) == SWEPT {
             self.formation.without_dust(SMALLEST);
         }
+        self.look_up(members);
+    }
+
+    /// Shows what they have come to to all but those that went the last step alone, and have seen it.
+    fn look_up(&mut self, members: &mut [Member<'_, '_>]) {
+        let (steps, time) = (self.steps, self.formation.time());
+        let (mut behind, mut due) = (0, None);
         for lane in lanes(self.formation.aboard()) {
-            members[lane].look_up(self, lane);
+            let member = &mut members[lane];
+            if member.is_behind(steps) {
+                behind |= 1 << lane;
+                member.pass(steps.first, time);
+                due = due.or_else(|| member.sample_due());
+            }
         }
+        // What is recorded is worked out where some of it is due.
+        if let Some(program) = due {
+            self.formation.work_out(&self.folded.kernel, &program.tables);
+        }
+        lanes(behind).for_each(|lane| members[lane].look_up(self, lane));
     }
 
     /// Takes a step in which some meet something: these go alone, and come back where they are still in flight then.
@@ -286,17 +304,25 @@ impl<'p> Member<'p, '_> {
         aloft.into_iter().for_each(|aloft| aloft.meets = true);
     }
 
-    /// Sees what a wing has come to, unless it went the last step alone and has seen it.
+    /// Whether it is before another step than a wing, in which it is aboard.
+    fn is_behind(&self, steps: Steps) -> bool {
+        self.operation
+            .is_some_and(|operation| operation.aloft.is_some() && operation.steps.first != steps.first)
+    }
+
+    /// Its program, where it has come to an instant that is written down.
+    fn sample_due(&self) -> Option<&'p Program> {
+        let Player { machine, recorder, .. } = &self.player;
+        recorder.due(machine).map(|_| machine.program)
+    }
+
+    /// Sees what a wing has come to.
     fn look_up(&mut self, wing: &Wing, lane: usize) {
-        let Some(Operation { steps, aloft: Some(aloft), .. }) = self.operation else { return };
-        if steps.first == wing.steps.first {
-            return;
-        }
-        self.pass(wing.steps.first, wing.formation.time());
+        let Some(Operation { aloft: Some(aloft), .. }) = self.operation else { return };
         let Player { machine, recorder, .. } = &mut self.player;
         machine.with_flight(aloft, |machine, flight| {
             wing.formation.show(&wing.folded.kernel, lane, &mut flight.frame);
-            recorder.glided(machine, flight);
+            recorder.glided_to(machine, flight);
         });
     }
 

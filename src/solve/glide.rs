@@ -74,8 +74,8 @@ impl Flight {
         frame.states.copy_from_slice(&machine.states);
         frame.rates.copy_from_slice(&machine.slopes);
         frame.time = machine.time;
-        frame.see_anew();
         let holds = kernel.settle(frame, machine.program, &machine.coefficients, 0, self.is_due);
+        frame.see_anew();
         self.is_due = !holds;
         holds
     }

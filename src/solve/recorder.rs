@@ -234,6 +234,21 @@ impl<'a> Recorder<'a> {
         self.next += 1;
     }
 
+    /// The instant of the grid that the machine has come to, if it has.
+    pub fn due(&self, machine: &Machine<'_>) -> Option<f64> {
+        self.next_before(self.clock(machine) * (1.0 + SAME))
+    }
+
+    /// Writes down the instant at the end of a quiet step, if it is due, as the flight has worked it out.
+    pub fn glided_to(&mut self, machine: &Machine<'_>, flight: &Flight) {
+        let due = self.due(machine);
+        if let Some(time) = due {
+            self.write_seen(time, flight);
+        }
+        self.is_fresh = due.is_some();
+        self.tell_progress(machine);
+    }
+
     /// Takes note of where signals went further within the last stretch than ever before.
     fn see_turns(&mut self, machine: &mut Machine<'_>) {
         let run = self.trace.sweeps.len() - 1;
@@ -272,7 +287,7 @@ impl Witness for Recorder<'_> {
     /// Writes down the instant at its end, as it is after relays have switched; where that ends the phase, as it was
     /// before too.
     fn arrival(&mut self, machine: &Machine<'_>) {
-        let due = self.next_before(self.clock(machine) * (1.0 + SAME));
+        let due = self.due(machine);
         if let Some(watch) = &mut self.watch {
             watch.look(&machine.modes);
         }
@@ -295,20 +310,14 @@ impl Witness for Recorder<'_> {
     /// Writes down the instants of the grid within the last quiet step, and at its end.
     fn glided(&mut self, machine: &Machine<'_>, flight: &mut Flight) {
         let tables = &machine.program.tables;
-        let (clock, first) = (self.clock(machine), self.next);
-        while let Some(time) = self.next_before(clock * (1.0 - SAME)) {
+        while let Some(time) = self.next_before(self.clock(machine) * (1.0 - SAME)) {
             flight.look_back(tables, time - self.held);
             self.write_seen(time, flight);
         }
-        if self.next > first {
+        if self.due(machine).is_some() {
             flight.show(tables);
         }
-        let due = self.next_before(clock * (1.0 + SAME));
-        if let Some(time) = due {
-            self.write_seen(time, flight);
-        }
-        self.is_fresh = due.is_some();
-        self.tell_progress(machine);
+        self.glided_to(machine, flight);
     }
 
     /// Sees what the quiet stretches went through.

@@ -119,11 +119,10 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let mut here: Vec<Value> = self.build.block_params(head).to_vec();
         let end = here.pop().expect("the end of the step comes last");
         let next = self.build.ins().iadd_imm_s(here[0], 1);
-        let is_left = self.build.ins().icmp(IntCC::UnsignedLessThan, here[0], all);
-        self.leave_unless(is_left, &here);
+        let is_done = self.build.ins().icmp(IntCC::UnsignedGreaterThanOrEqual, here[0], all);
+        self.leave_if(is_done, &here);
         let after_next = self.end_of(next, first);
-        let is_last = self.build.ins().icmp(IntCC::Equal, next, all);
-        let carried = self.step(&here, end, is_last);
+        let carried = self.step(&here, end);
         self.jump(head, &[&[next, end], &carried[..], &[after_next]].concat());
 
         self.build.switch_to_block(self.met);
@@ -142,16 +141,16 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.build.ins().jump(block, &values);
     }
 
-    /// Leaves the code with what stands at the beginning of the step, unless something holds.
-    pub fn leave_unless(&mut self, holds: Value, here: &[Value]) {
+    /// Leaves the code with what stands at the beginning of the step, if something holds.
+    pub fn leave_if(&mut self, holds: Value, here: &[Value]) {
         let next = self.build.create_block();
         let here: Vec<_> = here.iter().copied().map(Into::into).collect();
-        self.build.ins().brif(holds, next, &[], self.met, &here);
+        self.build.ins().brif(holds, self.met, &here, next, &[]);
         self.build.switch_to_block(next);
     }
 
     /// One step, from its number, its time and what is carried, to what is carried on from its end.
-    fn step(&mut self, here: &[Value], end: Value, is_last: Value) -> Vec<Value> {
+    fn step(&mut self, here: &[Value], end: Value) -> Vec<Value> {
         let kernel = self.kernel;
         let time = here[1];
         self.carried = here[2..].chunks(2).map(|pair| [pair[0], pair[1]]).collect();
@@ -160,7 +159,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
             emitter.leave_beyond_fences(kernel.quick.in_middle, here);
         });
         self.leave_beyond_fences(kernel.quick.all, here);
-        self.see(end, is_last);
+        self.see(end);
         self.keep();
         if self.carried.is_empty() {
             for index in 0..after.len() {
@@ -223,7 +222,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.leave_with(0);
     }
 
-    /// Writes down what is worked out at an end: rates, what is recorded, what is kept.
+    /// Writes down what is worked out at an end: rates, what is recorded and followed, what is kept.
     fn store_end(&mut self, rates: &[Value]) {
         let kernel = self.kernel;
         let pointer = self.pointer;
@@ -231,9 +230,10 @@ impl<'a, 'f> Emitter<'a, 'f> {
         for (index, rate) in rates.iter().enumerate() {
             self.store(*rate, rates_ahead, index);
         }
-        for slot in kernel.seen.iter().chain(&kernel.kept) {
-            let value = self.get(*slot);
-            self.store(value, self.slots[4], *slot as usize);
+        let seen = kernel.seen.iter().map(|seen| seen.slot);
+        for slot in seen.chain(kernel.followed.iter().chain(&kernel.kept).copied()) {
+            let value = self.get(slot);
+            self.store(value, self.slots[4], slot as usize);
         }
     }
 

@@ -145,7 +145,7 @@ fn operations(kernel: &Kernel) -> usize {
     stepped(&kernel.quick) + stepped(&kernel.thorough) + moving + all(&kernel.thorough)
 }
 
-/// How many numbers of a frame the code may reach, in the order of the pointers in its memory.
+/// How many numbers of a frame the code may reach.
 fn lengths(frame: &Frame<f64>) -> Lengths {
     let Extremes { least, least_at, most, most_at } = &frame.extremes;
     [
