@@ -105,6 +105,27 @@ fn overloads_are_the_same() {
     assert!((folded[0].time - reference[0].time).abs() < 1e-9 && folded[0].peak == 120.0);
 }
 
+/// A ramp that two diodes turn where it passes 0, between two samples: its extreme is seen there.
+#[test]
+fn the_turn_of_a_ramp_is_seen() {
+    let ramp = element("ramp").set("start", -30.01).set("rate", 60);
+    let patch = volts("the size of a ramp")
+        .drive("u", "volt", ramp)
+        .element("N", element("summer").cords("x1", ["u"]))
+        .element("L", element("diode-lower-of").cords("in", ["u", "N"]))
+        .element("A", element("integrator").cords("x1", ["L"]))
+        .build()
+        .unwrap();
+    let circuit = circuit(&patch, &[]);
+    let settings =
+        RunSettings { record: vec!["L".to_owned()], every: 0.4, ..RunSettings::of(&circuit).unwrap() };
+    let (folded, reference) = both(&Program::new(&circuit).unwrap(), &settings.lasting(1.2));
+    for trace in [folded, reference] {
+        let most = trace.tracks[0].courses[0].most;
+        assert!(most.volts.abs() <= 1e-9 && (most.time - 30.01 / 60.0).abs() <= 1e-9, "{most:?}");
+    }
+}
+
 /// Recording does not change a run, and what is seen of a signal does not depend on what is recorded beside it.
 #[test]
 fn courses_are_the_same_with_any_recording() {

@@ -25,7 +25,7 @@ struct Entry<'a> {
     solved: Solver<'a>,
 }
 
-/// Equal steps, each about 1.15 times as fine as the one before.
+/// Equal steps, each about 1.1 times as fine as the one before.
 fn steps() -> Vec<f64> {
     own::rungs().map(|parts| 1e-3 / f64::from(parts)).collect()
 }

@@ -106,9 +106,9 @@ pub fn velocity(trace: &Trace) -> Vec<f64> {
     trace.values("v_o").unwrap_or_default()
 }
 
-/// Parts of a millisecond that are tried as equal steps, from half of one on, each about 1.15 times as fine as the one before.
+/// Parts of a millisecond that are tried as equal steps, from half of one on, each about 1.1 times as fine as the one before.
 pub fn rungs() -> impl Iterator<Item = u32> {
-    std::iter::successors(Some(2u32), |parts| Some((1.15 * f64::from(*parts)).ceil() as u32))
+    std::iter::successors(Some(2u32), |parts| Some((1.1 * f64::from(*parts)).ceil() as u32))
         .take_while(|parts| *parts <= 2000)
 }
 
