@@ -15,6 +15,7 @@ use dice::Dice;
 #[cfg(feature = "native")]
 use super::Native;
 use super::lane::Lane as _;
+use super::store::FEWEST_BEYOND_NATIVE;
 use super::{Formation, Frame, Kernel, LANES, Posted, Steps, Watched};
 use crate::grid::Grid;
 use crate::patch::Patch;
@@ -235,6 +236,15 @@ fn lanes_give_the_bits_of_each_alone() {
         }
     }
     assert!(compared >= 30, "{compared}");
+}
+
+#[test]
+fn the_pages_tell_how_many_lanes_there_are() {
+    let page = |name: &str| std::fs::read_to_string(format!("docs/{name}.md")).unwrap().replace('\n', " ");
+    let told = format!("up to {LANES} runs side by side");
+    assert!(page("sweep").contains(&told) && page("architecture").contains(&format!("{LANES} at most")));
+    let fewest = format!("Fewer than {FEWEST_BEYOND_NATIVE} at a time are left to native code");
+    assert!(page("performance").contains(&fewest));
 }
 
 /// What is met is told of its own lane alone, in the middle of a step as at its end.

@@ -188,10 +188,11 @@ impl Wing {
                 self.part(members);
             }
         }
+        self.look_up(members);
+        // As alone: what is recorded there still has its dust.
         if self.steps.up_to_multiple_of(SWEPT) == SWEPT {
             self.formation.without_dust(SMALLEST);
         }
-        self.look_up(members);
     }
 
     /// Shows what they have come to to all but those that went the last step alone, and have seen it.

@@ -233,13 +233,13 @@ impl Sweep {
         Ok(Tally { kept, ..tally })
     }
 
-    /// How many runs a thread makes side by side: not more than leave the others something to do, nor than have room in memory.
+    /// How many runs a thread makes side by side.
     fn abreast(&self, left: u64, threads: u64) -> u64 {
         if !self.settings.go_abreast(&self.program) {
             return 1;
         }
         let room = (MOST_NUMBERS / self.settings.numbers()) as u64;
-        left.div_ceil(threads).min(room).clamp(1, LANES as u64)
+        evenly(left, threads, room.clamp(1, LANES as u64))
     }
 
     /// Makes the runs from one on, and gives their rows to the writer in order.
@@ -279,6 +279,12 @@ impl Sweep {
     }
 }
 
+/// How many runs make a group, so many at most, that every thread gets as many groups.
+fn evenly(runs: u64, threads: u64, most: u64) -> u64 {
+    let groups = runs.div_ceil(most).next_multiple_of(threads);
+    runs.div_ceil(groups.max(1)).max(1)
+}
+
 /// Whether a relay or a hand ends a phase within the last run, where the record then has two samples.
 fn jumps(phases: &[Phase]) -> bool {
     let (mut ran, mut jumps) = (false, false);
@@ -316,6 +322,12 @@ impl fmt::Write for Fnv {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn runs_are_shared_out_evenly() {
+        let shares = [(1000, 2), (100, 2), (20, 4), (3, 8), (0, 1), (1_000_000, 64)];
+        assert_eq!(shares.map(|(runs, threads)| evenly(runs, threads, 16)), [16, 13, 5, 1, 1, 16]);
+    }
 
     #[test]
     fn the_hash_is_that_of_its_authors() {

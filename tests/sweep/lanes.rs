@@ -143,6 +143,21 @@ fn runs_that_part_stay_what_they_are() {
     }
 }
 
+/// What is too small to matter becomes 0 at the same step in every lane.
+#[test]
+fn small_voltages_become_nothing() {
+    let decaying = element("integrator").cords("x10", ["A1"]).set("initial", "start");
+    let builder = volts("decay").parameter("start", 1.0, "1", [-100.0, 100.0]).element("A1", decaying);
+    let (circuit, own) = program(&builder.build().unwrap(), &[]).unwrap();
+    let record = vec!["A1".to_owned()];
+    let settings = RunSettings { step: 0.02, every: 0.02, record, ..RunSettings::of(&circuit).unwrap() };
+    let programs: Vec<_> = (0..16).map(|run| set(&own, &[("start", 10f64.powi(run) * 1e-14)])).collect();
+    let settings = settings.lasting(40.0);
+    assert_eq!(compared(&programs, &settings, "decay"), 0);
+    let trace = solve::run(&programs[0], &settings).unwrap();
+    assert!(trace.tracks[0].volts.last().is_some_and(|volts| volts.abs() < 1e-110));
+}
+
 #[test]
 fn the_table_is_the_same_on_any_number_of_threads() {
     let with = |backend| {
