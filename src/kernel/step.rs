@@ -113,12 +113,13 @@ impl Kernel {
     #[inline(always)]
     pub(super) fn rest<V: Lane>(&self, frame: &mut Frame<V>, watches: usize) -> bool {
         let lines = frame.slopes.iter().zip(&frame.rooms).zip(&mut frame.rests);
-        let all = self.watches[..watches].iter().zip(lines);
-        let zero = V::splat(0.0);
-        all.fold(true, |quiet, (watch, ((slope, room), rest))| {
+        let (zero, mut quiet) = (V::splat(0.0), true);
+        // A closure would be compiled for any processor.
+        for (watch, ((slope, room), rest)) in self.watches[..watches].iter().zip(lines) {
             *rest = watch.value(&frame.slots).multiply_add(*slope, *room);
-            quiet & rest.reaches(zero)
-        })
+            quiet &= rest.reaches(zero);
+        }
+        quiet
     }
 
     /// The lanes in which something is beyond the first fences.
@@ -126,7 +127,7 @@ impl Kernel {
     fn beyond_fences<V: Lane>(&self, frame: &Frame<V>, fences: usize) -> u64 {
         let ranges = frame.lows.iter().zip(&frame.highs);
         let mut fenced = V::TRUE;
-        // A closure would be compiled for any processor.
+        // No closure here, either.
         for (fence, (low, high)) in self.fences[..fences].iter().zip(ranges) {
             fenced = frame.slots[fence.slot as usize].lies_between(*low, *high, fenced);
         }
