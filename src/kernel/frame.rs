@@ -21,10 +21,10 @@ pub(crate) struct Frame<V> {
     pub(super) present: Vec<V>,
     /// The same at the end of the step looked at.
     pub(super) rests: Vec<V>,
-    /// What is given of the corners, lane after lane: on which side voltages are.
+    /// What is given of the corners: on which side voltages are.
     pub(super) given: Vec<f64>,
-    /// What followed from the sides on which the voltages of every lane were before.
-    pub(super) known: Vec<Vec<Known>>,
+    /// What followed from the sides on which voltages were before.
+    pub(super) known: Vec<Known>,
     /// Room for the operations of the prologue.
     pub(super) early: Vec<f64>,
     /// Slope and room of every watch.
@@ -72,8 +72,8 @@ impl Kernel {
             stages: std::array::from_fn(|_| zeros(states)),
             present: zeros(self.watches.len()),
             rests: zeros(self.watches.len()),
-            given: vec![0.0; V::COUNT * self.given],
-            known: vec![Vec::new(); V::COUNT],
+            given: vec![0.0; self.given],
+            known: Vec::new(),
             early: Vec::with_capacity(self.early.len()),
             slopes: zeros(self.watches.len()),
             rooms: zeros(self.watches.len()),
@@ -139,35 +139,32 @@ impl<V: Lane> Extremes<V> {
     }
 }
 
-impl<V: Lane> Frame<V> {
+impl Frame<f64> {
     /// Puts in what does not move within a step: kept values and noise.
-    pub fn put_standing(&mut self, kernel: &Kernel, lane: usize, kept: &[f64], noise: &[f64]) {
+    pub fn put_standing(&mut self, kernel: &Kernel, kept: &[f64], noise: &[f64]) {
         let Layout { kept: first, noise: second, .. } = kernel.layout;
         for (first, values) in [(first, kept), (second, noise)] {
-            let slots = &mut self.slots[first..first + values.len()];
-            slots.iter_mut().zip(values).for_each(|(slot, value)| slot.set(lane, *value));
+            self.slots[first..first + values.len()].copy_from_slice(values);
         }
     }
 
-    /// The kept values of a lane.
-    pub fn kept(&self, kernel: &Kernel, lane: usize) -> impl Iterator<Item = f64> + '_ {
-        self.slots[kernel.layout.kept..kernel.layout.noise].iter().map(move |slot| slot.get(lane))
+    /// The kept values.
+    pub fn kept(&self, kernel: &Kernel) -> &[f64] {
+        &self.slots[kernel.layout.kept..kernel.layout.noise]
     }
 
     /// A voltage that is recorded, as it was worked out last.
-    pub fn last_seen(&self, kernel: &Kernel, index: usize, lane: usize) -> f64 {
-        self.slots[kernel.seen[index].slot as usize].get(lane)
+    pub fn last_seen(&self, kernel: &Kernel, index: usize) -> f64 {
+        self.slots[kernel.seen[index].slot as usize]
     }
 
     /// The least and the largest of a recorded voltage with their instants, in the order in which they were met; none of
     /// one that cannot turn.
-    pub fn extremes(&self, kernel: &Kernel, index: usize, lane: usize) -> Option<[(f64, f64); 2]> {
+    pub fn extremes(&self, kernel: &Kernel, index: usize) -> Option<[(f64, f64); 2]> {
         let (at, line) = kernel.seen[index].follows?;
         let Extremes { least, least_at, most, most_at } = &self.extremes;
-        let [constant, factor] =
-            line.map_or([0.0, 1.0], |line| line.map(|slot| self.slots[slot as usize].get(lane)));
-        let met =
-            |times: &[V], volts: &[V]| (times[at].get(lane), factor.mul_add(volts[at].get(lane), constant));
+        let [constant, factor] = line.map_or([0.0, 1.0], |line| line.map(|slot| self.slots[slot as usize]));
+        let met = |times: &[f64], volts: &[f64]| (times[at], factor.mul_add(volts[at], constant));
         let (first, second) = (met(least_at, least), met(most_at, most));
         Some(if first.0 <= second.0 { [first, second] } else { [second, first] })
     }

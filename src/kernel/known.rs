@@ -2,10 +2,9 @@
 
 use super::Kernel;
 use super::frame::Frame;
-use super::lane::Lane;
 use crate::program::Program;
 
-/// What followed from the sides on which the voltages of a lane were.
+/// What followed from the sides on which voltages were.
 #[derive(Debug, Clone)]
 pub(super) struct Known {
     /// Slope and room of every corner's watch, which tell the sides.
@@ -22,43 +21,37 @@ pub(super) struct Known {
 const MOST_KNOWN: usize = 16;
 
 impl Kernel {
-    /// Works out what follows from the sides on which a lane's voltages are, or takes it from when they were on the same
-    /// sides before. Tells whether the factors can be used.
-    pub(super) fn follow<V: Lane>(
-        &self,
-        frame: &mut Frame<V>,
-        program: &Program,
-        coefficients: &[f64],
-        lane: usize,
-    ) -> bool {
-        let mut all = std::mem::take(&mut frame.known[lane]);
-        let known = all.iter().find(|known| known.is_of(frame, lane));
+    /// Works out what follows from the sides on which the voltages are, or takes it from when they were on the same sides
+    /// before. Tells whether the factors can be used.
+    pub(super) fn follow(&self, frame: &mut Frame<f64>, program: &Program, coefficients: &[f64]) -> bool {
+        let mut all = std::mem::take(&mut frame.known);
+        let known = all.iter().find(|known| known.is_of(frame));
         let can_be_used = match known {
-            Some(known) => known.put(frame, lane),
+            Some(known) => known.put(frame),
             None => {
-                let can_be_used = self.put_factors(frame, program, coefficients, lane);
-                self.bind(frame, &program.tables, lane, self.corners..self.watches.len());
-                self.put_fences(frame, lane);
+                let can_be_used = self.put_factors(frame, program, coefficients);
+                self.bind(frame, &program.tables, self.corners..self.watches.len());
+                self.put_fences(frame);
                 if all.len() == MOST_KNOWN {
                     all.remove(0);
                 }
-                all.push(self.known(frame, lane, can_be_used));
+                all.push(self.known(frame, can_be_used));
                 can_be_used
             }
         };
-        frame.known[lane] = all;
+        frame.known = all;
         can_be_used
     }
 
-    /// What now follows from the sides of a lane.
-    fn known<V: Lane>(&self, frame: &Frame<V>, lane: usize, can_be_used: bool) -> Known {
-        let pairs = |one: &[V], other: &[V]| {
-            one.iter().zip(other).map(|(one, other)| [one.get(lane), other.get(lane)]).collect::<Vec<_>>()
+    /// What now follows from the sides.
+    fn known(&self, frame: &Frame<f64>, can_be_used: bool) -> Known {
+        let pairs = |one: &[f64], other: &[f64]| -> Vec<[f64; 2]> {
+            one.iter().zip(other).map(|(one, other)| [*one, *other]).collect()
         };
         let (slopes, rooms) = (&frame.slopes, &frame.rooms);
         Known {
             corners: pairs(&slopes[..self.corners], &rooms[..self.corners]),
-            factors: frame.slots[..self.factors.len()].iter().map(|slot| slot.get(lane)).collect(),
+            factors: frame.slots[..self.factors.len()].to_vec(),
             ranges: pairs(&slopes[self.corners..], &rooms[self.corners..]),
             fences: pairs(&frame.lows, &frame.highs),
             can_be_used,
@@ -68,30 +61,26 @@ impl Kernel {
 
 impl Known {
     /// Whether the sides are those of now.
-    fn is_of<V: Lane>(&self, frame: &Frame<V>, lane: usize) -> bool {
+    fn is_of(&self, frame: &Frame<f64>) -> bool {
         let now = frame.slopes.iter().zip(&frame.rooms);
-        self.corners.iter().zip(now).all(|(known, (slope, room))| *known == [slope.get(lane), room.get(lane)])
+        self.corners.iter().zip(now).all(|(known, (slope, room))| *known == [*slope, *room])
     }
 
     /// Puts it back. Tells whether the factors can be used.
-    fn put<V: Lane>(&self, frame: &mut Frame<V>, lane: usize) -> bool {
-        for (slot, factor) in frame.slots.iter_mut().zip(&self.factors) {
-            slot.set(lane, *factor);
-        }
+    fn put(&self, frame: &mut Frame<f64>) -> bool {
+        frame.slots[..self.factors.len()].copy_from_slice(&self.factors);
         put_pairs(
             &mut frame.slopes[self.corners.len()..],
             &mut frame.rooms[self.corners.len()..],
             &self.ranges,
-            lane,
         );
-        put_pairs(&mut frame.lows, &mut frame.highs, &self.fences, lane);
+        put_pairs(&mut frame.lows, &mut frame.highs, &self.fences);
         self.can_be_used
     }
 }
 
-fn put_pairs<V: Lane>(ones: &mut [V], others: &mut [V], pairs: &[[f64; 2]], lane: usize) {
+fn put_pairs(ones: &mut [f64], others: &mut [f64], pairs: &[[f64; 2]]) {
     for ((one, other), pair) in ones.iter_mut().zip(others).zip(pairs) {
-        one.set(lane, pair[0]);
-        other.set(lane, pair[1]);
+        [*one, *other] = *pair;
     }
 }

@@ -2,8 +2,6 @@
 
 /// Numbers that operations work on together. Each is rounded as if it stood alone.
 pub(crate) trait Lane: Copy {
-    /// How many there are, 64 at most.
-    const COUNT: usize;
     /// Of each number, whether something holds of it.
     type Truth: Copy;
     /// It holds of all.
@@ -62,7 +60,6 @@ pub(crate) trait Lane: Copy {
 }
 
 impl Lane for f64 {
-    const COUNT: usize = 1;
     type Truth = bool;
     const TRUE: bool = true;
 
@@ -115,7 +112,6 @@ impl<const N: usize> Abreast<N> {
 }
 
 impl<const N: usize> Lane for Abreast<N> {
-    const COUNT: usize = N;
     // 1 where it holds, else 0: it is kept where the numbers are.
     type Truth = Self;
     const TRUE: Self = Abreast([1.0; N]);

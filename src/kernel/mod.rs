@@ -42,7 +42,6 @@ use crate::machines::REFERENCE;
 use crate::program::{ON_THE_KINK, Op, Program, Register, Sources};
 use code::{Code, Slot};
 use form::Factor;
-use lane::Lane;
 
 /// As long as no amplifier is asked for more than this, in volts, a kernel can hold. What stands just at its limit, by a
 /// diode, is not beyond it by rounding.
@@ -174,18 +173,11 @@ impl Kernel {
         }
     }
 
-    /// Works a lane's factors out from a program's coefficients and what is given of the lane's corners. Tells whether
-    /// they can be used: not where an amplifier that stands still is overloaded.
-    pub fn put_factors<V: Lane>(
-        &self,
-        frame: &mut Frame<V>,
-        program: &Program,
-        coefficients: &[f64],
-        lane: usize,
-    ) -> bool {
+    /// Works the factors of a frame out from a program's coefficients and what is given of its corners. Tells whether they
+    /// can be used: not where an amplifier that stands still is overloaded.
+    pub fn put_factors(&self, frame: &mut Frame<f64>, program: &Program, coefficients: &[f64]) -> bool {
         let mut registers = std::mem::take(&mut frame.early);
-        let given = &frame.given[lane * self.given..][..self.given];
-        let from = Sources { coefficients, states: given, tables: &program.tables, ..Sources::none() };
+        let from = Sources { coefficients, states: &frame.given, tables: &program.tables, ..Sources::none() };
         registers.clear();
         for op in &self.early {
             registers.push(op.apply(&from, |register| registers[register.index()]));
@@ -195,7 +187,7 @@ impl Kernel {
             Factor::Early(register) => registers[register.index()],
         };
         for (slot, factor) in frame.slots.iter_mut().zip(&self.factors) {
-            slot.set(lane, value(factor));
+            *slot = value(factor);
         }
         let holds = |[of, low, high]: &[Factor; 3]| value(low) <= value(of) && value(of) <= value(high);
         let can_be_used = self.still.iter().all(holds);

@@ -34,28 +34,27 @@ impl Met {
 }
 
 impl Kernel {
-    /// Works everything out where a lane is, on the sides of the corners on which its voltages are, and binds it. Tells
+    /// Works everything out where a frame is, on the sides of the corners on which its voltages are, and binds it. Tells
     /// whether the kernel holds there. The factors may be due for other coefficients.
-    pub fn settle<V: Lane>(
+    pub fn settle(
         &self,
-        frame: &mut Frame<V>,
+        frame: &mut Frame<f64>,
         program: &Program,
         coefficients: &[f64],
-        lane: usize,
         mut is_due: bool,
     ) -> bool {
         if is_due {
-            frame.known[lane].clear();
+            frame.known.clear();
         }
         // A corner may lie behind others: one at least is settled in each round.
         for _ in 0..self.corners + 2 {
-            let fits = !is_due || self.put_factors(frame, program, coefficients, lane);
+            let fits = !is_due || self.put_factors(frame, program, coefficients);
             self.show(frame, &program.tables);
-            is_due = self.bind(frame, &program.tables, lane, 0..self.watches.len());
+            is_due = self.bind(frame, &program.tables, 0..self.watches.len());
             if !is_due {
-                self.put_fences(frame, lane);
+                self.put_fences(frame);
                 self.rest(frame, self.watches.len());
-                return self.stand(frame, lane) && fits;
+                return self.stand(frame) && fits;
             }
         }
         false
@@ -63,30 +62,22 @@ impl Kernel {
 
     /// Binds watches to where the voltages are that were worked out last, corners to the sides on which they are. Tells
     /// whether any is on another side than before: the factors have to be worked out again then.
-    pub(super) fn bind<V: Lane>(
+    pub(super) fn bind(
         &self,
-        frame: &mut Frame<V>,
+        frame: &mut Frame<f64>,
         tables: &[Vec<[f64; 2]>],
-        lane: usize,
         watches: Range<usize>,
     ) -> bool {
         watches.fold(false, |any, watch| {
-            let value = self.watches[watch].value(&frame.slots).get(lane);
-            self.bind_one(frame, tables, lane, watch, value) || any
+            let value = self.watches[watch].value(&frame.slots);
+            self.bind_one(frame, tables, watch, value) || any
         })
     }
 
     /// The same of a watch whose voltage is here.
-    fn bind_one<V: Lane>(
-        &self,
-        frame: &mut Frame<V>,
-        tables: &[Vec<[f64; 2]>],
-        lane: usize,
-        watch: usize,
-        value: f64,
-    ) -> bool {
-        let of = |slot: Slot| frame.slots[slot as usize].get(lane);
-        let given = &mut frame.given[lane * self.given..];
+    fn bind_one(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], watch: usize, value: f64) -> bool {
+        let of = |slot: Slot| frame.slots[slot as usize];
+        let given = &mut frame.given;
         let (is_new, [slope, room]) = match self.watches[watch].what {
             Watched::Corner { side } => {
                 let (now, slope) = if value >= 0.0 { (1.0, 1.0) } else { (0.0, -1.0) };
@@ -100,27 +91,27 @@ impl Kernel {
             Watched::Above(low) => (false, [1.0, -of(low)]),
             Watched::Below(high) | Watched::Size(high) => (false, [-1.0, of(high)]),
         };
-        frame.slopes[watch].set(lane, slope);
-        frame.rooms[watch].set(lane, room);
+        frame.slopes[watch] = slope;
+        frame.rooms[watch] = room;
         is_new
     }
 
     /// Takes what was worked out last, no step away, as the present. Tells whether all but those that are at a corner
     /// are within their bounds.
-    pub fn stand<V: Lane>(&self, frame: &mut Frame<V>, lane: usize) -> bool {
+    pub fn stand(&self, frame: &mut Frame<f64>) -> bool {
         frame.stand();
-        let beyond = self.short(frame, lane, self.corners..self.watches.len()).next();
+        let beyond = self.short(frame, self.corners..self.watches.len()).next();
         beyond.is_none()
     }
 
     /// Puts the fences where the watches are that they stand for.
-    pub(super) fn put_fences<V: Lane>(&self, frame: &mut Frame<V>, lane: usize) {
+    pub(super) fn put_fences(&self, frame: &mut Frame<f64>) {
         for (index, fence) in self.fences.iter().enumerate() {
             let mut range = [f64::NEG_INFINITY, f64::INFINITY];
             for Posted { watch, line } in &fence.watches {
-                let of = |slot: Slot| frame.slots[slot as usize].get(lane);
+                let of = |slot: Slot| frame.slots[slot as usize];
                 let [constant, factor] = line.map_or([0.0, 1.0], |line| line.map(of));
-                let [slope, room] = [&frame.slopes, &frame.rooms].map(|all| all[*watch].get(lane));
+                let [slope, room] = [&frame.slopes, &frame.rooms].map(|all| all[*watch]);
                 // Beyond its last point a table has no corner.
                 if room == f64::INFINITY {
                     continue;
@@ -136,39 +127,39 @@ impl Kernel {
                 }
             }
             let [low, high] = range;
-            frame.lows[index].set(lane, low);
-            frame.highs[index].set(lane, high);
+            frame.lows[index] = low;
+            frame.highs[index] = high;
         }
     }
 
     /// What was met on the way to what was looked at: guards first, as modes change at some corners; corners before ranges,
     /// as beyond a corner the kernel tells of voltages that there are none.
-    pub fn met<V: Lane>(&self, frame: &Frame<V>, lane: usize) -> Option<Met> {
-        let guard = self.short(frame, lane, self.corners..self.thorough.in_middle).next();
-        let range = || self.short(frame, lane, self.thorough.in_middle..self.thorough.all).next();
-        let watch = guard.or_else(|| self.passed(frame, lane).next()).or_else(range)?;
+    pub fn met(&self, frame: &Frame<f64>) -> Option<Met> {
+        let guard = self.short(frame, self.corners..self.thorough.in_middle).next();
+        let range = || self.short(frame, self.thorough.in_middle..self.thorough.all).next();
+        let watch = guard.or_else(|| self.passed(frame).next()).or_else(range)?;
         let is_corner = self.is_corner(watch);
         Some(Met { watch, rest: if is_corner { PAST } else { 0.0 }, is_corner })
     }
 
     /// A corner on which the frame is, and that it left on its other side.
-    pub fn left_behind<V: Lane>(&self, frame: &Frame<V>, lane: usize) -> Option<Met> {
-        let is_near = |watch: &usize| frame.present[*watch].get(lane) <= 3.0 * ON_THE_KINK;
-        let watch = self.passed(frame, lane).find(is_near)?;
+    pub fn left_behind(&self, frame: &Frame<f64>) -> Option<Met> {
+        let is_near = |watch: &usize| frame.present[*watch] <= 3.0 * ON_THE_KINK;
+        let watch = self.passed(frame).find(is_near)?;
         Some(Met { watch, rest: PAST, is_corner: true })
     }
 
     /// The corners that were passed; without their room where a range shows what lies beyond one of them.
-    fn passed<V: Lane>(&self, frame: &Frame<V>, lane: usize) -> impl Iterator<Item = usize> {
+    fn passed(&self, frame: &Frame<f64>) -> impl Iterator<Item = usize> {
         let ranges = self.thorough.in_middle..self.thorough.all;
-        let least = if self.short(frame, lane, ranges).next().is_some() { ON_THE_KINK } else { 0.0 };
-        (0..self.corners).filter(move |watch| frame.rests[*watch].get(lane) < least)
+        let least = if self.short(frame, ranges).next().is_some() { ON_THE_KINK } else { 0.0 };
+        (0..self.corners).filter(move |watch| frame.rests[*watch] < least)
     }
 
     /// Of some watches those of which less than nothing is left at what was looked at.
-    fn short<V: Lane>(&self, frame: &Frame<V>, lane: usize, of: Range<usize>) -> impl Iterator<Item = usize> {
+    fn short(&self, frame: &Frame<f64>, of: Range<usize>) -> impl Iterator<Item = usize> {
         of.filter(move |watch| {
-            let rest = frame.rests[*watch].get(lane);
+            let rest = frame.rests[*watch];
             rest < 0.0 || rest.is_nan()
         })
     }
@@ -178,27 +169,20 @@ impl Kernel {
     }
 
     /// How far past it what was looked at is; negative before it.
-    pub fn excess<V: Lane>(&self, frame: &Frame<V>, lane: usize, met: Met) -> f64 {
-        met.rest - frame.rests[met.watch].get(lane)
+    pub fn excess(&self, frame: &Frame<f64>, met: Met) -> f64 {
+        met.rest - frame.rests[met.watch]
     }
 
     /// The same of the present.
-    pub fn excess_now<V: Lane>(&self, frame: &Frame<V>, lane: usize, met: Met) -> f64 {
-        met.rest - frame.present[met.watch].get(lane)
+    pub fn excess_now(&self, frame: &Frame<f64>, met: Met) -> f64 {
+        met.rest - frame.present[met.watch]
     }
 
     /// Goes over to the other side of a corner on which the frame is; everything has to be worked out there then. Tells
     /// whether the factors can be used there.
-    pub fn cross<V: Lane>(
-        &self,
-        frame: &mut Frame<V>,
-        program: &Program,
-        coefficients: &[f64],
-        lane: usize,
-        met: Met,
-    ) -> bool {
-        let [slope, room] = [&frame.slopes, &frame.rooms].map(|line| line[met.watch].get(lane));
-        let beyond = beyond((frame.present[met.watch].get(lane) - room) / slope, slope);
+    pub fn cross(&self, frame: &mut Frame<f64>, program: &Program, coefficients: &[f64], met: Met) -> bool {
+        let [slope, room] = [&frame.slopes, &frame.rooms].map(|line| line[met.watch]);
+        let beyond = beyond((frame.present[met.watch] - room) / slope, slope);
         let watches = match self.watches[met.watch].what {
             Watched::Points { above, .. } => {
                 let lower = met.watch - usize::from(above);
@@ -207,9 +191,9 @@ impl Kernel {
             _ => met.watch..met.watch + 1,
         };
         for watch in watches {
-            self.bind_one(frame, &program.tables, lane, watch, beyond);
+            self.bind_one(frame, &program.tables, watch, beyond);
         }
-        self.follow(frame, program, coefficients, lane)
+        self.follow(frame, program, coefficients)
     }
 }
 

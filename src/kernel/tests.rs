@@ -107,7 +107,7 @@ impl<'p> Points<'p> {
         let kernel = &folded.kernel;
         let frame = self.frame(kernel)?;
         let outputs = outputs.iter().enumerate().map(|(index, register)| {
-            (frame.last_seen(kernel, index, 0) - self.registers[register.index()]).abs()
+            (frame.last_seen(kernel, index) - self.registers[register.index()]).abs()
         });
         let rates = kernel.rates.iter().zip(&program.states).map(|(slot, state)| {
             let rate = self.registers[state.rate.index()];
@@ -119,10 +119,10 @@ impl<'p> Points<'p> {
     /// A kernel's frame there; nothing where the kernel does not hold.
     fn frame(&self, kernel: &Kernel) -> Option<Frame<f64>> {
         let mut frame = kernel.frame::<f64>();
-        frame.put_standing(kernel, 0, &self.kept, &self.noise);
+        frame.put_standing(kernel, &self.kept, &self.noise);
         frame.states.copy_from_slice(&self.states);
         frame.time = self.time;
-        kernel.settle(&mut frame, self.program, &self.coefficients, 0, true).then_some(frame)
+        kernel.settle(&mut frame, self.program, &self.coefficients, true).then_some(frame)
     }
 }
 

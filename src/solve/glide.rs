@@ -70,11 +70,11 @@ impl Flight {
     /// Begins where the machine is. Tells whether the kernel holds there.
     fn begin(&mut self, machine: &Machine<'_>) -> bool {
         let (kernel, frame) = (&self.folded.kernel, &mut self.frame);
-        frame.put_standing(kernel, 0, &machine.kept, &machine.drawn);
+        frame.put_standing(kernel, &machine.kept, &machine.drawn);
         frame.states.copy_from_slice(&machine.states);
         frame.rates.copy_from_slice(&machine.slopes);
         frame.time = machine.time;
-        let holds = kernel.settle(frame, machine.program, &machine.coefficients, 0, self.is_due);
+        let holds = kernel.settle(frame, machine.program, &machine.coefficients, self.is_due);
         frame.see_anew();
         self.is_due = !holds;
         holds
@@ -83,9 +83,9 @@ impl Flight {
     /// Goes over to the other side of a corner on which it is. Tells whether the kernel holds there.
     fn cross(&mut self, machine: &Machine<'_>, met: Met) -> bool {
         let Flight { folded, frame, .. } = self;
-        let fits = folded.kernel.cross(frame, machine.program, &machine.coefficients, 0, met);
+        let fits = folded.kernel.cross(frame, machine.program, &machine.coefficients, met);
         self.show(&machine.program.tables);
-        let holds = self.folded.kernel.stand(&mut self.frame, 0) && fits;
+        let holds = self.folded.kernel.stand(&mut self.frame) && fits;
         self.is_due = !holds;
         holds
     }
@@ -117,14 +117,14 @@ impl Flight {
     /// The recorded voltages as they were worked out last.
     pub fn seen(&self) -> impl Iterator<Item = f64> + '_ {
         let kernel = &self.folded.kernel;
-        (0..kernel.seen.len()).map(|index| self.frame.last_seen(kernel, index, 0))
+        (0..kernel.seen.len()).map(|index| self.frame.last_seen(kernel, index))
     }
 
     /// The least and the largest of every recorded voltage since it began, with their instants, in the order in which
     /// they were met; none of one that did not turn.
     pub fn extremes(&self) -> impl Iterator<Item = Option<[(f64, f64); 2]>> + '_ {
         let kernel = &self.folded.kernel;
-        (0..kernel.seen.len()).map(|index| self.frame.extremes(kernel, index, 0))
+        (0..kernel.seen.len()).map(|index| self.frame.extremes(kernel, index))
     }
 }
 
@@ -264,7 +264,7 @@ impl Machine<'_> {
             let length = end - sight.frame.time;
             sight.look(length);
             // It goes off on the other side from where it is.
-            if let Some(met) = folded.kernel.left_behind(sight.frame, 0) {
+            if let Some(met) = folded.kernel.left_behind(sight.frame) {
                 if !flight.cross(self, met) {
                     return false;
                 }
@@ -299,10 +299,7 @@ impl Machine<'_> {
     fn land(&mut self, flight: &Flight) -> Result<(), RunError> {
         self.time = flight.frame.time;
         self.states.copy_from_slice(&flight.frame.states);
-        self.kept
-            .iter_mut()
-            .zip(flight.frame.kept(&flight.folded.kernel, 0))
-            .for_each(|(kept, value)| *kept = value);
+        self.kept.copy_from_slice(flight.frame.kept(&flight.folded.kernel));
         self.work_out_now();
         self.check_now()
     }
@@ -333,7 +330,7 @@ impl Ahead for Sight<'_, '_> {
     }
 
     fn event(&self) -> Option<Met> {
-        if self.last == Look::Ahead { self.folded.kernel.met(self.frame, 0) } else { None }
+        if self.last == Look::Ahead { self.folded.kernel.met(self.frame) } else { None }
     }
 
     fn is_hinted(&self) -> bool {
@@ -345,11 +342,11 @@ impl Ahead for Sight<'_, '_> {
     }
 
     fn excess_now(&self, met: Met) -> f64 {
-        self.folded.kernel.excess_now(self.frame, 0, met)
+        self.folded.kernel.excess_now(self.frame, met)
     }
 
     fn excess(&self, met: Met) -> f64 {
-        self.folded.kernel.excess(self.frame, 0, met)
+        self.folded.kernel.excess(self.frame, met)
     }
 
     fn room(&self, met: Met) -> f64 {
