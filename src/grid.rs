@@ -1,5 +1,8 @@
 //! Equal steps of time without accumulated rounding.
 
+/// Times that differ by less than this share of themselves are the same instant.
+pub(crate) const SAME: f64 = 1e-12;
+
 /// The instants 0, step, 2 step, ...
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Grid {
@@ -35,7 +38,7 @@ impl Grid {
 
     /// How many whole steps fit into a length of time, rounding forgiven.
     pub fn steps_in(&self, length: f64) -> u64 {
-        ((length / self.step) * (1.0 + 1e-12) + 1e-9) as u64
+        ((length / self.step) * (1.0 + SAME) + 1e-9) as u64
     }
 }
 

@@ -126,7 +126,8 @@ fn the_turn_of_a_ramp_is_seen() {
     }
 }
 
-/// Recording does not change a run, and what is seen of a signal does not depend on what is recorded beside it.
+/// Recording does not change a run, and what is seen of a signal depends neither on what is recorded beside it nor on how
+/// often.
 #[test]
 fn courses_are_the_same_with_any_recording() {
     let patch = common::slideway();
@@ -134,19 +135,91 @@ fn courses_are_the_same_with_any_recording() {
     let program = Program::new(&circuit).unwrap();
     let own = RunSettings::of(&circuit).unwrap().lasting(0.3);
     let whole = trace(&program, &own, Backend::Native);
-    for name in ["v_i", "v_o", "memory"] {
-        let settings = RunSettings { record: vec![name.to_owned()], every: 0.3, ..own.clone() };
+    for (name, every) in ["v_i", "v_o", "memory", "friction_level"]
+        .into_iter()
+        .flat_map(|name| [0.3, 7e-4, 2e-5].map(|every| (name, every)))
+    {
+        let settings = RunSettings { record: vec![name.to_owned()], every, ..own.clone() };
         for backend in Backend::ALL {
             let alone = trace(&program, &settings, backend);
             let [alone, beside] = [&alone, &whole].map(|trace| trace.track(name).unwrap().courses[0]);
+            // By rounding, what stands still is most at another of its instants.
+            let stands =
+                |index: usize| backend == Backend::Reference && name == "friction_level" && index == 5;
             let is_same = |a: f64, b: f64| match backend {
                 Backend::Reference => (a - b).abs() <= 1e-9,
                 _ => a.to_bits() == b.to_bits(),
             };
-            let pairs = parts(&alone).into_iter().zip(parts(&beside));
-            pairs.for_each(|(a, b)| assert!(is_same(a, b), "{name} by {backend}: {a} {b}"));
+            let pairs = parts(&alone).into_iter().zip(parts(&beside)).enumerate();
+            let pairs = pairs.filter(|(index, _)| !stands(*index)).map(|(_, pair)| pair);
+            pairs.for_each(|(a, b)| assert!(is_same(a, b), "{name} every {every} by {backend}: {a} {b}"));
         }
     }
+}
+
+/// What a limit holds is least where it reached the limit, however seldom it is recorded.
+#[test]
+fn a_flat_extreme_begins_where_it_was_reached() {
+    let ramp = element("ramp").set("start", 30).set("rate", -200);
+    let limited = element("summer").cords("x1", ["u"]).set("limit", serde_json::json!({"upper": 5}));
+    let patch = volts("limited ramp")
+        .drive("u", "volt", ramp)
+        .element("N", limited)
+        .element("A", element("integrator").cords("x1", ["N"]))
+        .build()
+        .unwrap();
+    let circuit = circuit(&patch, &[]);
+    let program = Program::new(&circuit).unwrap();
+    for every in [1e-3, 0.07, 0.25] {
+        let settings =
+            RunSettings { record: vec!["N".to_owned()], every, ..RunSettings::of(&circuit).unwrap() };
+        let (folded, reference) = both(&program, &settings.lasting(0.25));
+        for trace in [folded, reference] {
+            let most = trace.tracks[0].courses[0].most;
+            assert!(most.volts == 5.0 && (most.time - 0.175).abs() <= 1e-9, "every {every}: {most:?}");
+        }
+    }
+}
+
+/// Samples that come before the end of a step by less than the grid of steps tells apart.
+#[test]
+fn samples_just_before_a_step_ends_are_read_off_it() {
+    let circuit = circuit(&common::patch_of("patches/lessons/mass-and-spring.json".as_ref()), &[]);
+    let program = Program::new(&circuit).unwrap();
+    let settings =
+        RunSettings { step: 1e-3, every: 0.149_999_999_999_81, ..RunSettings::of(&circuit).unwrap() };
+    let (folded, reference) = both(&program, &settings.lasting(6.0));
+    assert!(difference(&folded, &reference) <= 1e-10);
+}
+
+/// What follows from the sides of corners is worked out anew where potentiometers were turned.
+#[test]
+fn crossings_follow_the_potentiometers() {
+    let bent = volts("an oscillator that a diode bends")
+        .parameter("g", 0.3, "1", [0.0, 1.0])
+        .parameter("b", 8.0, "1", [1.0, 90.0])
+        .element("P1", element("pot").cord("in", "A2").set("setting", 0.9))
+        .element("A1", element("integrator").cords("x10", ["P1"]).set("initial", 20))
+        .element("A2", element("integrator").cords("x10", ["D"]))
+        .element("PB", element("pot").cord("in", "+100").set("setting", "b / 100"))
+        .element("D", element("summer").cords("x1", ["PG", "A1"]))
+        .element("U", element("diode-lower-of").cords("in", ["A1", "PB"]))
+        .element("PG", element("pot").cord("in", "U").set("setting", "g"))
+        .build()
+        .unwrap();
+    let program = program(&bent, &[]);
+    let voltages = Backend::ALL.map(|backend| {
+        let mut machine = Machine::new(&program, 1e-3).unwrap().on(backend);
+        machine.operate(2.0).unwrap();
+        for (g, b) in [(0.8, 4.0), (0.3, 8.0)] {
+            machine.set("g", g).unwrap();
+            machine.set("b", b).unwrap();
+            machine.operate(1.0).unwrap();
+        }
+        machine.voltage("A1").unwrap()
+    });
+    assert!(voltages.iter().all(|volts| (volts - voltages[0]).abs() <= 1e-9), "{voltages:?}");
+    assert!(voltages[1..].iter().all(|volts| volts.to_bits() == voltages[1].to_bits()), "{voltages:?}");
 }
 
 #[test]

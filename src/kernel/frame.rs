@@ -13,7 +13,7 @@ pub(crate) struct Frame<V> {
     /// The states of now, and their rates.
     pub states: Vec<V>,
     pub rates: Vec<V>,
-    /// Where the last stretch that was gone alone began.
+    /// The last stretch that was gone alone.
     pub(super) last: Stretch<V>,
     /// The rates of the stages, and at the end of the step looked at.
     pub(super) stages: [Vec<V>; 4],
@@ -41,10 +41,11 @@ pub(crate) struct Frame<V> {
     pub(super) beyond: u64,
 }
 
-/// The beginning of a stretch.
+/// The ends of a stretch, and what stood where it began.
 #[derive(Debug, Clone)]
 pub(super) struct Stretch<V> {
-    pub time: f64,
+    pub begin: f64,
+    pub end: f64,
     pub states: Vec<V>,
     pub rates: Vec<V>,
 }
@@ -68,7 +69,7 @@ impl Kernel {
             time: 0.0,
             states: zeros(states),
             rates: zeros(states),
-            last: Stretch { time: 0.0, states: zeros(states), rates: zeros(states) },
+            last: Stretch { begin: 0.0, end: 0.0, states: zeros(states), rates: zeros(states) },
             stages: std::array::from_fn(|_| zeros(states)),
             present: zeros(self.watches.len()),
             rests: zeros(self.watches.len()),
@@ -97,9 +98,10 @@ impl Kernel {
         frame.slots[self.layout.time] = V::splat(frame.time);
     }
 
-    /// When the last stretch that was gone alone began, and how long it was.
-    pub fn last_stretch<V: Lane>(&self, frame: &Frame<V>) -> [f64; 2] {
-        [frame.last.time, frame.time - frame.last.time]
+    /// When the last stretch that was gone alone began, and how long it was. It ends where the frame is.
+    pub fn last_stretch(&self, frame: &Frame<f64>) -> [f64; 2] {
+        debug_assert_eq!(frame.last.end, frame.time, "nothing is looked back into but the last stretch");
+        [frame.last.begin, frame.last.end - frame.last.begin]
     }
 
     /// What is worked out next is worked out at an instant within that stretch, on the cubic through states and rates at its

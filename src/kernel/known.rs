@@ -1,4 +1,4 @@
-//! What follows from the sides of the corners: worked out once for every set of sides that was met lately.
+//! What follows from the sides of the corners: worked out once for every set of sides that is met.
 
 use super::Kernel;
 use super::frame::Frame;
@@ -17,7 +17,7 @@ pub(super) struct Known {
     can_be_used: bool,
 }
 
-/// So many sets of sides are kept.
+/// So many sets of sides are kept; then the first that was met makes room.
 const MOST_KNOWN: usize = 16;
 
 impl Kernel {

@@ -5,7 +5,7 @@ use pulp::{Arch, NullaryFnOnce};
 use super::frame::{Extremes, Frame};
 use super::lane::Lane;
 use super::{Checks, Kernel};
-use crate::grid::Grid;
+use crate::grid::{Grid, SAME};
 
 /// What a look ahead met.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -148,7 +148,7 @@ impl Kernel {
 
     /// Sees the voltages that are followed at the step looked at, which ends at a time.
     #[inline(always)]
-    fn see<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
+    pub fn see<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
         let now = V::splat(time);
         let Extremes { least, least_at, most, most_at } = &mut frame.extremes;
         for (index, slot) in self.followed.iter().enumerate() {
@@ -199,7 +199,7 @@ impl Kernel {
 
     /// Makes the step looked at, which ends at a time, the present.
     pub fn take<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
-        frame.last.time = frame.time;
+        (frame.last.begin, frame.last.end) = (frame.time, time);
         frame.last.states.copy_from_slice(&frame.states);
         frame.last.rates.copy_from_slice(&frame.rates);
         frame.present.copy_from_slice(&frame.rests);
@@ -296,7 +296,10 @@ impl Steps {
         if time == f64::INFINITY {
             return self.count;
         }
-        (self.grid.steps_in((time - self.begin).max(0.0)) + 1).saturating_sub(self.first).min(self.count)
+        let whole = self.grid.steps_in((time - self.begin).max(0.0)) + 1;
+        let some = whole.saturating_sub(self.first).min(self.count);
+        // A grid forgives more rounding than instants that are told apart.
+        if some > 0 && self.end_of(some - 1) * (1.0 - SAME) > time { some - 1 } else { some }
     }
 
     /// How many end earlier than a time by some room.

@@ -155,8 +155,8 @@ fn are_beside((folded, steps): (&Arc<Folded>, Steps), (other, others): (&Arc<Fol
 }
 
 impl Wing {
-    /// Lets those leave who cannot go the next step together with others. How many steps the rest can go; nothing where nobody
-    /// is aboard.
+    /// Lets those leave who cannot go the next step together with others. How many steps the rest can go, one where none is
+    /// left; nothing where nobody was aboard.
     fn make_ready(&mut self, members: &mut [Member<'_, '_>], backend: Backend) -> Option<u64> {
         let aboard = self.formation.aboard();
         let mut count = self.steps.up_to_multiple_of(SWEPT);

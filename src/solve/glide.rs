@@ -85,7 +85,10 @@ impl Flight {
         let Flight { folded, frame, .. } = self;
         let fits = folded.kernel.cross(frame, machine.program, &machine.coefficients, met);
         self.show(&machine.program.tables);
-        let holds = self.folded.kernel.stand(&mut self.frame) && fits;
+        let Flight { folded, frame, .. } = self;
+        let holds = folded.kernel.stand(frame) && fits;
+        // What a limit holds from here on is just at it, as it was not before.
+        folded.kernel.see(frame, frame.time);
         self.is_due = !holds;
         holds
     }

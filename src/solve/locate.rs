@@ -2,7 +2,9 @@
 
 /// An event is found when its place in the step is known to this share of the step.
 const FOUND: f64 = 1e-13;
-/// One look in three halves at least: this many make the rest smaller than the step's rounding.
+/// So many looks follow the curve; after them one in three halves.
+const CURVED: usize = 6;
+/// So many make the rest smaller than the step's rounding.
 const MOST_LOOKS: usize = 150;
 
 /// Something that can look ahead by a step, and see what comes on the way.
@@ -56,7 +58,7 @@ fn located<A: Ahead>(ahead: &mut A, length: f64, mut event: A::Event) -> (f64, A
             break;
         }
         let room = ahead.room(event);
-        let middle = bracket.guess(look % 8 == 7, room == 0.0);
+        let middle = bracket.guess(look > CURVED && look % 3 == 0, room == 0.0);
         ahead.look(middle * length);
         match ahead.event() {
             Some(first) if first != event => {

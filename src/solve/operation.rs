@@ -25,7 +25,7 @@ impl Operation {
         }
     }
 
-    fn is_stopped(&mut self) {
+    fn stop(&mut self) {
         self.steps.count = 0;
     }
 }
@@ -67,7 +67,7 @@ impl Machine<'_> {
                         operation.pass(1);
                     }
                 }
-                None if self.is_stopped_by(witness) => operation.is_stopped(),
+                None if self.is_stopped_by(witness) => operation.stop(),
                 None => {
                     operation.aloft = self.take_off(operation.steps);
                     if operation.aloft.is_none() {

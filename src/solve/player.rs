@@ -2,7 +2,8 @@
 
 use super::error::RunError;
 use super::machine::{Machine, MachineMode, Witness};
-use super::recorder::{Recorder, SAME, Watch};
+use super::recorder::{Recorder, Watch};
+use crate::grid::SAME;
 use crate::patch::{Change, FormulaMeasure, Phase, Until};
 use crate::program::{Program, Standing, Switch};
 use crate::trace::{Deed, Ending, NewValue, Trace};

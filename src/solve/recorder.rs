@@ -4,7 +4,7 @@ use super::error::RunError;
 use super::glide::Flight;
 use super::machine::{Machine, Witness};
 use super::run::RunSettings;
-use crate::grid::Grid;
+use crate::grid::{Grid, SAME};
 use crate::program::{Probe, Program, Register};
 use crate::trace::{Deed, Ending, Mark, Sweep, Trace, Track};
 
@@ -340,9 +340,6 @@ impl Witness for Recorder<'_> {
         self.watch.is_some_and(|watch| watch.is_met)
     }
 }
-
-/// Times that differ by less than this share of themselves are the same instant.
-pub(super) const SAME: f64 = 1e-12;
 
 fn find(program: &Program, name: &str) -> Result<Probe, RunError> {
     let found = program.signals.iter().find(|probe| probe.name == name).cloned();

@@ -92,10 +92,12 @@ impl Track {
 impl Course {
     fn goes_on(&mut self, moment: Moment) {
         self.end = moment.volts;
-        if moment.volts < self.least.volts {
+        // Moments may be told later than others that came after them: the first of several that are alike counts.
+        let is_earlier = |than: Moment| moment.volts == than.volts && moment.time < than.time;
+        if moment.volts < self.least.volts || is_earlier(self.least) {
             self.least = moment;
         }
-        if moment.volts > self.most.volts {
+        if moment.volts > self.most.volts || is_earlier(self.most) {
             self.most = moment;
         }
     }

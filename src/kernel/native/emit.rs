@@ -100,7 +100,9 @@ impl<'a, 'f> Emitter<'a, 'f> {
             .map(|offset| self.of_memory(types::I64, offset));
         let states = if self.kernel.rates.len() > MOST_CARRIED { 0 } else { self.kernel.rates.len() };
         let zero = self.build.ins().iconst(types::I64, 0);
-        let mut start = vec![zero, self.of_memory(types::F64, offset_of!(Memory, time))];
+        // Written when the code is left.
+        let time = self.load(self.memory, offset_of!(Memory, time) / 8);
+        let mut start = vec![zero, time];
         for index in 0..states {
             start.extend([self.states, self.rates].map(|base| self.load(base, index)));
         }
