@@ -17,8 +17,10 @@ pub(super) struct Known {
     can_be_used: bool,
 }
 
-/// So many sets of sides are kept; then the first that was met makes room.
+/// So many sets of sides are kept, the latest first; then the first that was met makes room.
 const MOST_KNOWN: usize = 16;
+/// Nothing is kept of kernels with more factors than this: it would take much memory, and as long to look up.
+const MOST_FACTORS: usize = 4096;
 
 impl Kernel {
     /// Works out what follows from the sides on which the voltages are, or takes it from when they were on the same sides
@@ -32,10 +34,10 @@ impl Kernel {
                 let can_be_used = self.put_factors(frame, program, coefficients);
                 self.bind(frame, &program.tables, self.corners..self.watches.len());
                 self.put_fences(frame);
-                if all.len() == MOST_KNOWN {
-                    all.remove(0);
+                if self.factors.len() <= MOST_FACTORS {
+                    all.truncate(MOST_KNOWN - 1);
+                    all.insert(0, self.known(frame, can_be_used));
                 }
-                all.push(self.known(frame, can_be_used));
                 can_be_used
             }
         };
