@@ -62,7 +62,8 @@ impl<'s> Bench<'s> {
         preset.into_iter().filter_map(outcome).collect()
     }
 
-    /// Turns the pots of the next program, which is the next but one's place when they cannot be turned so far.
+    /// Turns the pots of the program in a place, and goes on to the next; where they cannot be turned so far the place stays, and
+    /// the next run takes that program.
     fn preset(&mut self, place: &mut usize, values: &[f64]) -> Result<(), RunError> {
         if *place == self.programs.len() {
             self.programs.push(self.sweep.program.clone());

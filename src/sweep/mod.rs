@@ -6,6 +6,7 @@
 mod bench;
 mod error;
 mod journal;
+mod pace;
 mod plan;
 mod pool;
 mod row;
@@ -27,6 +28,7 @@ use crate::program::Program;
 use crate::solve::{Backend, Phase, RunError, RunSettings};
 use crate::trace::number;
 use journal::Journal;
+use pace::Pace;
 
 /// Which runs are made, how, and what is measured of each.
 #[derive(Debug)]
@@ -66,6 +68,14 @@ pub struct Tally {
     pub failed: u64,
     /// Runs among them of which something could not be read, or in which something was overloaded.
     pub noted: u64,
+}
+
+impl Tally {
+    fn add(&mut self, row: &Row) {
+        self.written += 1;
+        self.failed += u64::from(row.error.is_some());
+        self.noted += u64::from(row.error.is_none() && !row.notes.is_empty());
+    }
 }
 
 /// So many runs for each thread may wait in memory for a slower one before them.
@@ -201,7 +211,7 @@ impl Sweep {
         prints.into_iter().flatten().map(|(of, Fnv(print))| format!("fingerprint of {of}: {print:016x}"))
     }
 
-    /// Makes all runs on so many threads, and writes head and rows.
+    /// Makes all runs on so many threads, and writes head and rows. `progress` is told what [`Sweep::append_to`] tells it.
     ///
     /// # Errors
     /// When the writer refuses.
@@ -216,7 +226,8 @@ impl Sweep {
     }
 
     /// Makes the runs that a file does not hold yet, on so many threads, and appends their rows; makes the file where
-    /// there is none. `progress` is told how many rows there are, at the beginning too.
+    /// there is none. `progress` is told how many rows there are: at the beginning, with every row, and every second that brings
+    /// none.
     ///
     /// # Errors
     /// When the file is of another sweep or cannot be written. What was there is then as it was.
@@ -233,13 +244,13 @@ impl Sweep {
         Ok(Tally { kept, ..tally })
     }
 
-    /// How many runs a thread makes side by side.
+    /// How many runs a thread makes side by side at most; the first it makes alone.
     fn abreast(&self, left: u64, threads: u64) -> u64 {
         if !self.settings.go_abreast(&self.program) {
             return 1;
         }
         let room = (MOST_NUMBERS / self.settings.numbers()) as u64;
-        evenly(left, threads, room.clamp(1, LANES as u64))
+        evenly(left.saturating_sub(threads), threads, room.clamp(1, LANES as u64))
     }
 
     /// Makes the runs from one on, and gives their rows to the writer in order.
@@ -253,26 +264,26 @@ impl Sweep {
         let left = self.plan.runs().saturating_sub(first);
         let threads = (threads.max(1) as u64).min(left.max(1));
         let abreast = self.abreast(left, threads);
-        let benches: Vec<_> = (0..threads).map(|_| self.bench()).collect();
+        let benches = (0..threads).map(|_| (self.bench(), Pace::new(abreast))).collect();
         let mut tally = Tally::default();
         progress(first);
         pool::in_order(
-            0..left.div_ceil(abreast),
-            AHEAD.div_ceil(abreast),
+            0..left,
+            AHEAD,
             benches,
-            |bench, group| {
-                let runs = group * abreast..((group + 1) * abreast).min(left);
-                bench.rows(&runs.map(|run| self.plan.values(first + run)).collect::<Vec<_>>())
+            |(_, pace)| pace.runs(),
+            |(bench, pace), runs| {
+                let count = runs.end - runs.start;
+                let values: Vec<_> = runs.map(|run| self.plan.values(first + run)).collect();
+                pace.make(count, || bench.rows(&values))
             },
-            |rows: Vec<Row>| {
-                rows.iter().try_for_each(|row| {
-                    write(&row.line())?;
-                    tally.written += 1;
-                    tally.failed += u64::from(row.error.is_some());
-                    tally.noted += u64::from(row.error.is_none() && !row.notes.is_empty());
-                    progress(first + tally.written);
-                    Ok(())
-                })
+            |row: Option<Row>| {
+                row.iter().try_for_each(|row| {
+                    tally.add(row);
+                    write(&row.line())
+                })?;
+                progress(first + tally.written);
+                Ok(())
             },
         )?;
         Ok(tally)
