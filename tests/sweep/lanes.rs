@@ -176,3 +176,21 @@ fn the_table_is_the_same_on_any_number_of_threads() {
         }
     }
 }
+
+/// A sample next to the end of a step is taken there by everyone or by no one, whoever flies beside whom.
+#[test]
+fn samples_next_to_the_ends_of_steps_are_the_same_in_any_company() {
+    let lesson = common::patch_of("patches/lessons/mass-and-spring.json".as_ref());
+    let with = |backend| {
+        sweep(&lesson, &["k=5:8:16"], &["frequency:x,last=12"], |own| {
+            let settings = RunSettings { backend, step: 1e-3, ..own.lasting(12.0) };
+            RunSettings { every: 0.149_999_999_999_81, ..settings }
+        })
+    };
+    let alone = rows(&with(Backend::Interpreter), 1);
+    for backend in [Backend::Interpreter, Backend::Native, Backend::Lanes, Backend::Automatic] {
+        for threads in [1, 2, 8, 16] {
+            assert_eq!(rows(&with(backend), threads), alone, "{backend}, {threads} threads");
+        }
+    }
+}
