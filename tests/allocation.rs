@@ -5,10 +5,10 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use common::{built, element, patch, program, slideway, volts};
+use common::{built, circuit, element, patch, program, slideway, volts};
 use patchcord::patch::Patch;
 use patchcord::program::Program;
-use patchcord::solve::{Backend, Machine};
+use patchcord::solve::{self, Backend, Machine, RunSettings};
 
 thread_local! {
     // Of the thread that looks at it alone: the one that runs the tests allocates beside it.
@@ -101,6 +101,41 @@ fn steps_allocate_nothing() {
             let machine = Machine::adaptive(program, 1e-6, *step).unwrap();
             let count = allocations_of(machine, 1000.0 * step, program, parameters);
             assert_eq!(count, 0, "{name}, with a tolerance, derivatives by {parameters}");
+        }
+    }
+}
+
+/// Allocations of runs side by side of so many steps, of which the ends alone are recorded.
+fn allocations_abreast(programs: &[Program], settings: &RunSettings, steps: u32) -> usize {
+    let length = settings.step * f64::from(steps);
+    let settings = RunSettings { every: length, ..settings.clone() }.lasting(length);
+    let before = ALLOCATIONS.get();
+    let runs = solve::run_abreast(programs, &settings);
+    let count = ALLOCATIONS.get() - before;
+    assert!(runs.iter().all(Result::is_ok));
+    count
+}
+
+/// Runs allocate at their beginning, however long they are.
+#[test]
+fn steps_side_by_side_allocate_nothing() {
+    let cases = [
+        ("fig-8-16", slideway(), ("VcL", 2e-3, 1e-4)),
+        ("relay-oscillator", patch("relay-oscillator"), ("slope", 80.0, 2.0)),
+        ("mass-and-spring", lesson("mass-and-spring"), ("k", 10.0, 5.0)),
+    ];
+    for (name, patch, (parameter, least, by)) in &cases {
+        let mut programs = vec![program(patch, &[]); 16];
+        for (run, program) in programs.iter_mut().enumerate() {
+            solve::preset(program, &[(*parameter, least + by * run as f64)]).unwrap();
+        }
+        for backend in [Backend::Lanes, Backend::Automatic] {
+            let settings = RunSettings { backend, ..RunSettings::of(&circuit(patch, &[])).unwrap() };
+            // What is made once for every set of modes is made, and native code.
+            allocations_abreast(&programs, &settings, 80_000);
+            let [short, long] =
+                [40_000, 80_000].map(|steps| allocations_abreast(&programs, &settings, steps));
+            assert_eq!(short, long, "{name}, {backend}");
         }
     }
 }
