@@ -23,7 +23,8 @@ pub(super) struct TimeArguments {
     /// Time between recorded samples, in problem seconds
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     every: Option<f64>,
-    /// What works the steps out; all but the reference give the same bits
+    /// What works the steps out; all but the reference give the same bits. Native code is made of up to about 1100
+    /// elements, more are interpreted; with a tolerance the reference takes all steps, whatever is chosen here
     #[arg(long, value_name = "BACKEND", value_parser = backend(), default_value_t)]
     backend: Backend,
 }

@@ -164,6 +164,17 @@ impl Kernel {
         Kernel::can_be_of(program).then(|| layout::laid_out(fold::folded(program, modes, seen), program))
     }
 
+    /// How many operations its native code has, or would have. A step and a look have four stages each, and checks in their
+    /// middle and at their end; at the slots everything is worked out once.
+    fn operations(&self) -> usize {
+        let length = |code: &Code| code.instructions.len() + code.terms.len();
+        let moving = length(&self.moving);
+        let all = |checks: &Checks| length(&checks.middle) + length(&checks.ending) + checks.all;
+        let in_the_middle = |checks: &Checks| length(&checks.middle) + checks.in_middle;
+        let stepped = |checks: &Checks| 4 * moving + in_the_middle(checks) + all(checks);
+        stepped(&self.quick) + stepped(&self.thorough) + moving + all(&self.thorough)
+    }
+
     /// What stands in a slot whatever the parameters are.
     #[cfg(feature = "native")]
     fn number(&self, slot: Slot) -> Option<f64> {

@@ -18,6 +18,8 @@ pub(crate) struct Folded {
     seen: Vec<Register>,
     pub kernel: Kernel,
     native: OnceLock<Option<Native>>,
+    /// So many steps and looks are interpreted before native code is made.
+    pays: u64,
     /// Steps and looks that were interpreted.
     interpreted: AtomicU64,
 }
@@ -28,8 +30,16 @@ const MOST_KERNELS: usize = 64;
 pub(crate) const FEWEST_ABREAST: usize = 3;
 /// ... and from so many as quickly as native code takes them one after the other.
 pub(super) const FEWEST_BEYOND_NATIVE: usize = 11;
-/// After so many interpreted steps native code has been worth its making, had it been there from the beginning.
-const PAYS: u64 = 10_000;
+/// After so many interpreted steps native code has been worth its making, had it been there from the beginning: so many in
+/// any case, ...
+const PAYS: u64 = 6_000;
+/// ... and so many more for each of its operations. It takes the longer to make, and gains the less a step, the more it has.
+const PAYS_AN_OPERATION: u64 = 16;
+
+/// After how many interpreted steps native code of a kernel is made.
+pub(super) fn pays(kernel: &Kernel) -> u64 {
+    PAYS + PAYS_AN_OPERATION * kernel.operations() as u64
+}
 
 impl Kernels {
     /// The kernel of a program in these modes that gives these registers; nothing where the program has none.
@@ -41,11 +51,13 @@ impl Kernels {
             all[known..].rotate_left(1);
             return all.last().cloned();
         }
+        let kernel = Kernel::new(program, modes, seen)?;
         let folded = Arc::new(Folded {
             modes: modes.to_vec(),
             seen: seen.to_vec(),
-            kernel: Kernel::new(program, modes, seen)?,
             native: OnceLock::new(),
+            pays: pays(&kernel),
+            kernel,
             interpreted: AtomicU64::new(0),
         });
         if all.len() == MOST_KERNELS {
@@ -128,7 +140,7 @@ impl Folded {
     fn native(&self, backend: Backend) -> Option<&Native> {
         let wanted = match backend {
             Backend::Native => true,
-            Backend::Automatic => self.interpreted.load(Ordering::Relaxed) >= PAYS,
+            Backend::Automatic => self.interpreted.load(Ordering::Relaxed) >= self.pays,
             _ => false,
         };
         wanted.then(|| self.native.get_or_init(|| Native::new(&self.kernel)).as_ref()).flatten()

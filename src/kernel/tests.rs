@@ -15,7 +15,7 @@ use dice::Dice;
 #[cfg(feature = "native")]
 use super::Native;
 use super::lane::Lane as _;
-use super::store::FEWEST_BEYOND_NATIVE;
+use super::store::{FEWEST_BEYOND_NATIVE, pays};
 use super::{Formation, Frame, Kernel, LANES, Posted, Steps, Watched};
 use crate::grid::Grid;
 use crate::patch::Patch;
@@ -398,7 +398,6 @@ fn kernels_that_are_used_are_kept() {
 }
 
 /// Integrators one after the other, so many of them.
-#[cfg(feature = "native")]
 fn chain(count: usize) -> Kernel {
     let mut builder = common::volts("chain");
     for number in 0..count {
@@ -409,6 +408,17 @@ fn chain(count: usize) -> Kernel {
     let program = common::built(builder);
     let modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
     Kernel::new(&program, &modes, &[]).unwrap()
+}
+
+#[test]
+fn native_code_of_larger_kernels_pays_later() {
+    let slideway = program(&common::slideway());
+    let modes: Vec<f64> = slideway.modes.iter().map(|mode| mode.initial).collect();
+    let own = pays(&Kernel::new(&slideway, &modes, &[]).unwrap());
+    // docs/performance.md tells about 10,000.
+    assert!((9_000..11_000).contains(&own), "{own}");
+    let many = pays(&chain(1000));
+    assert!(many > 100_000, "{many}");
 }
 
 #[cfg(feature = "native")]

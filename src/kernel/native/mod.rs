@@ -18,10 +18,10 @@ use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module, ModuleError, default_libcall_names};
 
-use super::code::{Code, Instruction};
+use super::Kernel;
+use super::code::Instruction;
 use super::frame::{Extremes, Frame};
 use super::step::{Look, Steps};
-use super::{Checks, Kernel};
 use crate::patch::Function;
 use crate::program::Number;
 use emit::Emitter;
@@ -87,7 +87,7 @@ const MOST_OPERATIONS: usize = 16_000;
 impl Native {
     /// The native code of a kernel; nothing where this processor, or the kernel, is none for it.
     pub fn new(kernel: &Kernel) -> Option<Native> {
-        (operations(kernel) <= MOST_OPERATIONS).then(|| made(kernel).ok().flatten()).flatten()
+        (kernel.operations() <= MOST_OPERATIONS).then(|| made(kernel).ok().flatten()).flatten()
     }
 
     /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
@@ -135,17 +135,6 @@ impl Native {
         let given = unsafe { code(&raw mut memory) };
         (given, memory.time)
     }
-}
-
-/// How many operations the code of a kernel has. A step and a look have four stages each, and checks in their middle and at
-/// their end; at the slots everything is worked out once.
-fn operations(kernel: &Kernel) -> usize {
-    let length = |code: &Code| code.instructions.len() + code.terms.len();
-    let moving = length(&kernel.moving);
-    let all = |checks: &Checks| length(&checks.middle) + length(&checks.ending) + checks.all;
-    let in_the_middle = |checks: &Checks| length(&checks.middle) + checks.in_middle;
-    let stepped = |checks: &Checks| 4 * moving + in_the_middle(checks) + all(checks);
-    stepped(&kernel.quick) + stepped(&kernel.thorough) + moving + all(&kernel.thorough)
 }
 
 /// How many numbers of a frame the code may reach.
