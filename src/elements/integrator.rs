@@ -1,7 +1,7 @@
 //! Integrating amplifier, with or without diode limits, a brake and rebound stops.
 
 use crate::machines::{Part, REFERENCE};
-use crate::program::{Guard, Lowering, ModeHandle, Register, Transition};
+use crate::program::{Calm, Guard, Lowering, ModeHandle, Register, Transition};
 
 use super::{Input, Jacks, Kind, Measure, Output, Setting, Takes, Transfer, soft_limit};
 
@@ -117,6 +117,7 @@ const RESTING: f64 = 2.0;
 
 fn rebound(lowering: &mut Lowering<'_>, brake: Option<ModeHandle>, rate: Register) -> Register {
     let contact = lowering.new_mode(CLEAR);
+    lowering.calmed_by(contact, Calm::Rest);
     let gaps = lowering.inputs("gap");
     let gap = gaps.iter().copied().reduce(|a, b| lowering.minimum(a, b));
     let gap = gap.unwrap_or_else(|| lowering.constant(0.0));

@@ -1,7 +1,7 @@
 //! Comparator with a relay: two contacts, hysteresis between them.
 
 use crate::machines::Part;
-use crate::program::{Guard, Lowering, Register, Transition};
+use crate::program::{Calm, Guard, Lowering, Register, Transition};
 
 use super::{Input, Kind, Measure, Setting, Takes};
 
@@ -43,6 +43,7 @@ pub(super) static KIND: Kind = Kind {
 fn output_law(lowering: &mut Lowering<'_>) -> Register {
     let start = if lowering.flag("closed") { PULLED_IN } else { RELEASED };
     let position = lowering.new_mode(start);
+    lowering.calmed_by(position, Calm::Hysteresis);
     let half = lowering.constant(0.5);
     let (on, off) = (lowering.input("on"), lowering.input("off"));
     lowering.select(position.value, half, on, off)

@@ -154,6 +154,18 @@ pub(crate) struct Mode {
     pub of_drive: bool,
     pub initial: f64,
     pub transitions: Vec<Transition>,
+    pub calmed_by: Calm,
+}
+
+/// What keeps something that switches without end from doing so.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Calm {
+    /// Thresholds farther apart.
+    Hysteresis,
+    /// Rest against a stop below a speed; no step is short enough for bounces that follow each other ever sooner.
+    Rest,
+    /// Nothing of its own.
+    Drive,
 }
 
 /// A change of a mode, with what it resets.

@@ -2,7 +2,8 @@
 
 use super::lower::Lowering;
 use super::{
-    Delay, Distribution, Guard, Kept, Mode, ModeHandle, Noise, Op, Register, State, TimeConstant, Transition,
+    Calm, Delay, Distribution, Guard, Kept, Mode, ModeHandle, Noise, Op, Register, State, TimeConstant,
+    Transition,
 };
 use crate::elements::{Default as SettingDefault, Family, Measure};
 use crate::machines::REFERENCE;
@@ -312,10 +313,21 @@ impl Lowering<'_> {
     pub fn new_mode(&mut self, initial: f64) -> ModeHandle {
         let index = self.program.modes.len() as u32;
         let of_drive = self.circuit.element(self.current).kind.family == Family::Drive;
-        self.program.modes.push(Mode { element: self.current, of_drive, initial, transitions: Vec::new() });
+        self.program.modes.push(Mode {
+            element: self.current,
+            of_drive,
+            initial,
+            transitions: Vec::new(),
+            calmed_by: Calm::Drive,
+        });
         let mode = ModeHandle { index, value: self.emit(Op::Mode(index)) };
         self.own_mode.entry(self.current).or_insert(mode);
         mode
+    }
+
+    /// What keeps a mode from chattering, where the element has something for that.
+    pub fn calmed_by(&mut self, mode: ModeHandle, calm: Calm) {
+        self.program.modes[mode.index as usize].calmed_by = calm;
     }
 
     /// The mode that the current element made first.

@@ -4,7 +4,7 @@ use super::control::CHATTER;
 use super::error::RunError;
 use super::locate::{self, Ahead};
 use super::machine::{Machine, Witness};
-use crate::program::{Crossing, Guard, Kink, ON_THE_KINK, Transition};
+use crate::program::{Calm, Crossing, Guard, Kink, ON_THE_KINK, Transition};
 
 /// More changes of one mode, or crossings of one kink, than this within one of equal steps are chatter; with a tolerance,
 /// within a share of the first step tried ([`CHATTER`]).
@@ -123,12 +123,12 @@ impl Machine<'_> {
                     self.changes[mode] += 1;
                     self.work.changes += 1;
                     if self.changes[mode] > MOST_CHANGES {
-                        chatters = Some(self.program.modes[mode].element);
+                        chatters = Some(&self.program.modes[mode]);
                     }
                 },
             );
-            if let Some(element) = chatters {
-                return Err(self.chatter(element));
+            if let Some(mode) = chatters {
+                return Err(self.chatter(mode.element, mode.calmed_by));
             }
             if !any {
                 return Ok(self.work.changes > before);
@@ -170,17 +170,21 @@ impl Machine<'_> {
         self.work.crossings += 1;
         self.crossings[index] += 1;
         if let Some(kink) = self.kinks().nth(index).filter(|_| self.crossings[index] > MOST_CHANGES) {
-            return Err(self.chatter(kink.element));
+            return Err(self.chatter(kink.element, Calm::Drive));
         }
         self.remember_break(0);
         Ok(())
     }
 
-    fn chatter(&self, element: usize) -> RunError {
+    fn chatter(&self, element: usize, calmed_by: Calm) -> RunError {
         let element = self.program.name(element).to_owned();
-        let (within, advice) = match self.control {
-            None => (self.step, "give it hysteresis, or take a shorter step"),
-            Some(_) => (CHATTER * self.step, "give it hysteresis"),
+        let within = if self.control.is_some() { CHATTER * self.step } else { self.step };
+        let advice = match (calmed_by, &self.control) {
+            (Calm::Rest, _) => "give it a larger \"rest\": what is thrown back below it stays at the stop",
+            (Calm::Hysteresis, None) => "give it hysteresis, or take a shorter step",
+            (Calm::Hysteresis, Some(_)) => "give it hysteresis",
+            (Calm::Drive, None) => "look for what drives it to and fro, or take a shorter step",
+            (Calm::Drive, Some(_)) => "look for what drives it to and fro",
         };
         RunError::Chatter { element, most: MOST_CHANGES as usize, within, time: self.time, advice }
     }

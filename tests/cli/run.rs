@@ -52,7 +52,7 @@ fn a_run_that_stops_writes_what_it_recorded() {
         ["run", "tests/patches/bouncing-ball.json", "--set", "v_rest=0", "--set", "e=0.5", "--csv", &csv];
     let ran = patchcord(&endless);
     assert_eq!((code(&ran), out(&ran).as_str()), (1, ""));
-    assert!(errors(&ran).contains("it chatters"), "{}", errors(&ran));
+    assert!(errors(&ran).contains("it chatters; give it a larger \"rest\""), "{}", errors(&ran));
     let table = fs::read_to_string(&csv).unwrap();
     let last = table.lines().last().unwrap().split(',').next().unwrap();
     assert!(last.parse::<f64>().unwrap() > 1.0, "{last}");
