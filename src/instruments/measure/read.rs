@@ -5,7 +5,11 @@ use super::super::oscillation::{Oscillation, oscillation_within};
 use super::super::stick;
 use super::super::voltmeter::{Reading, readings};
 use super::{Cell, Measure};
+use crate::patch::told;
 use crate::trace::{Trace, Track};
+
+/// This share of the length of a run is rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// The last run of a trace, and the measure that looks at it.
 pub(super) struct Run<'a> {
@@ -48,10 +52,21 @@ impl<'a> Run<'a> {
         readings(self.trace).into_iter().find(|found| found.run == last && found.signal == *name)
     }
 
+    /// What is told of a last part that is longer than the run.
+    fn longer_than_run(&self, last: Option<f64>) -> Option<String> {
+        let end = self.trace.sweeps.last().map_or(0.0, |sweep| sweep.end);
+        let run = end - self.time().first().copied().unwrap_or(0.0);
+        let last = last.filter(|last| *last > run * (1.0 + ROUNDING))?;
+        Some(format!("the last {} s are longer than the run of {} s", told(last), told(run)))
+    }
+
     /// The oscillation at the end of the run.
     fn oscillation(&self, read: impl Fn(Oscillation) -> f64) -> Cells {
         let (time, values) = (self.time(), self.values(0));
         let (begin, end) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
+        if let Some(longer) = self.longer_than_run(self.measure.option(0)) {
+            return vec![Err(longer)];
+        }
         let from = end - self.measure.option(0).unwrap_or((end - begin) / 2.0);
         let first = time.partition_point(|instant| *instant < from);
         let reach = self
