@@ -174,10 +174,10 @@ fn told_on_output(outcome: io::Result<Tally>) -> Result<(), Failure> {
 }
 
 fn tally_told(tally: Tally) -> String {
-    let kept = match tally.kept {
-        0 => String::new(),
-        kept => format!(", {kept} more were there"),
+    let of_which = match tally.kept {
+        0 => ":".to_owned(),
+        kept => format!(", {kept} more were there; of all"),
     };
     let Tally { failed, noted, .. } = tally;
-    format!("{}{kept}: {failed} failed, {noted} with a note\n", plural(tally.written, "run"))
+    format!("{}{of_which} {failed} failed, {noted} with a note\n", plural(tally.written, "run"))
 }

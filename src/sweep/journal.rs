@@ -21,12 +21,13 @@ pub(super) struct Journal {
 
 impl Journal {
     /// Opens a table, or makes it. One that is there must have this head, and rows of which each begins as told for
-    /// its number, and no more of them than there are runs. It is locked until it is closed.
+    /// its number, and no more of them than there are runs; each is shown to `look`. It is locked until it is closed.
     pub fn open(
         path: &Path,
         head: &str,
         runs: u64,
         beginning: impl Fn(u64) -> String,
+        look: impl FnMut(&[u8]),
     ) -> Result<Journal, JournalError> {
         let refused = |error| JournalError::Io { file: path.to_owned(), error };
         if path.metadata().is_ok_and(|there| !there.is_file()) {
@@ -40,7 +41,7 @@ impl Journal {
         let file = file.map_err(refused)?;
         lock(&file, path)?;
         let mut reader = Reader { path, lines: BufReader::new(&file), line: 0, whole: 0 };
-        let rows = if reader.head(head)? { reader.rows(runs, beginning)? } else { 0 };
+        let rows = if reader.head(head)? { reader.rows(runs, beginning, look)? } else { 0 };
         let whole = reader.whole;
         file.set_len(whole).map_err(refused)?;
         let mut journal = Journal { path: path.to_owned(), file, rows };
@@ -105,7 +106,12 @@ impl Reader<'_> {
     }
 
     /// How many whole rows there are.
-    fn rows(&mut self, runs: u64, beginning: impl Fn(u64) -> String) -> Result<u64, JournalError> {
+    fn rows(
+        &mut self,
+        runs: u64,
+        beginning: impl Fn(u64) -> String,
+        mut look: impl FnMut(&[u8]),
+    ) -> Result<u64, JournalError> {
         let mut rows = 0;
         loop {
             let found = self.next()?;
@@ -126,6 +132,7 @@ impl Reader<'_> {
             if !is_whole {
                 return Ok(rows);
             }
+            look(&found);
             self.whole += found.len() as u64;
             rows += 1;
         }
@@ -176,7 +183,7 @@ mod tests {
     fn gone_on(text: &str) -> Result<String, String> {
         let file = tempfile::NamedTempFile::new().unwrap();
         fs::write(file.path(), text).unwrap();
-        let journal = Journal::open(file.path(), HEAD, 3, |row| format!("{row},"));
+        let journal = Journal::open(file.path(), HEAD, 3, |row| format!("{row},"), |_| ());
         let mut journal = match journal {
             Ok(journal) => journal,
             Err(error) => {
@@ -227,6 +234,6 @@ mod tests {
     #[test]
     fn a_folder_is_refused() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(matches!(Journal::open(folder.path(), HEAD, 3, row), Err(JournalError::Io { .. })));
+        assert!(matches!(Journal::open(folder.path(), HEAD, 3, row, |_| ()), Err(JournalError::Io { .. })));
     }
 }

@@ -64,17 +64,22 @@ pub struct Tally {
     pub kept: u64,
     /// Rows written.
     pub written: u64,
-    /// Runs among them that failed.
+    /// Rows among all these of runs that failed.
     pub failed: u64,
-    /// Runs among them of which something could not be read, or in which something was overloaded.
+    /// Rows among them of other runs of which something could not be read, or in which something was overloaded.
     pub noted: u64,
 }
 
 impl Tally {
     fn add(&mut self, row: &Row) {
         self.written += 1;
-        self.failed += u64::from(row.error.is_some());
-        self.noted += u64::from(row.error.is_none() && !row.notes.is_empty());
+        self.count([row.error.is_some(), !row.notes.is_empty()]);
+    }
+
+    /// Counts a run by whether it failed, and whether there is a note on it.
+    fn count(&mut self, [failed, noted]: [bool; 2]) {
+        self.failed += u64::from(failed);
+        self.noted += u64::from(noted && !failed);
     }
 }
 
@@ -185,8 +190,13 @@ impl Sweep {
             Some(tolerance) => format!("tolerance {}", number(*tolerance)),
             None => format!("step {} s", number(*step)),
         };
-        let duration = number(self.settings.duration());
-        format!("for {duration} s, {step}, recorded every {} s", number(*every))
+        let length = match self.settings.phases.as_slice() {
+            [Phase::InitialCondition, Phase::Operate { time, until: None }] => {
+                format!("for {} s", number(*time))
+            }
+            _ => format!("phases, {} s at most", number(self.settings.whole())),
+        };
+        format!("{length}, {step}, recorded every {} s", number(*every))
     }
 
     /// All backends but the reference give the same bits, and with a tolerance all do.
@@ -222,7 +232,10 @@ impl Sweep {
         progress: &mut dyn FnMut(u64),
     ) -> io::Result<Tally> {
         out.write_all(self.head().as_bytes())?;
-        self.rows_from(0, threads, progress, |line| out.write_all(line.as_bytes()).and_then(|()| out.flush()))
+        let none = Tally::default();
+        self.rows_behind(none, threads, progress, |line| {
+            out.write_all(line.as_bytes()).and_then(|()| out.flush())
+        })
     }
 
     /// Makes the runs that a file does not hold yet, on so many threads, and appends their rows; makes the file where
@@ -238,10 +251,11 @@ impl Sweep {
         progress: &mut dyn FnMut(u64),
     ) -> Result<Tally, JournalError> {
         let beginning = |run| row::beginning(&self.plan.values(run));
-        let mut journal = Journal::open(path, &self.head(), self.plan.runs(), beginning)?;
-        let kept = journal.rows;
-        let tally = self.rows_from(kept, threads, progress, |line| journal.append(line))?;
-        Ok(Tally { kept, ..tally })
+        let mut there = Tally::default();
+        let look = |line: &[u8]| there.count(row::error_and_note(line));
+        let mut journal = Journal::open(path, &self.head(), self.plan.runs(), beginning, look)?;
+        there.kept = journal.rows;
+        self.rows_behind(there, threads, progress, |line| journal.append(line))
     }
 
     /// How many runs a thread makes side by side at most; the first it makes alone.
@@ -253,19 +267,20 @@ impl Sweep {
         evenly(left.saturating_sub(threads), threads, room.clamp(1, LANES as u64))
     }
 
-    /// Makes the runs from one on, and gives their rows to the writer in order.
-    fn rows_from<E>(
+    /// Makes the runs behind those that are there, and gives their rows to the writer in order.
+    fn rows_behind<E>(
         &self,
-        first: u64,
+        there: Tally,
         threads: usize,
         progress: &mut dyn FnMut(u64),
         mut write: impl FnMut(&str) -> Result<(), E>,
     ) -> Result<Tally, E> {
+        let first = there.kept;
         let left = self.plan.runs().saturating_sub(first);
         let threads = (threads.max(1) as u64).min(left.max(1));
         let abreast = self.abreast(left, threads);
         let benches = (0..threads).map(|_| (self.bench(), Pace::new(abreast))).collect();
-        let mut tally = Tally::default();
+        let mut tally = there;
         progress(first);
         pool::in_order(
             0..left,

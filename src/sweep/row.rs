@@ -31,6 +31,18 @@ impl Row {
     }
 }
 
+/// Whether a line of the table tells an error, and whether it has a note.
+pub(super) fn error_and_note(line: &[u8]) -> [bool; 2] {
+    // Most rows end with two empty fields; a field that holds commas ends with a quote.
+    if line.ends_with(b",,\n") {
+        return [false; 2];
+    }
+    let mut record = csv::ByteRecord::new();
+    let read = csv::ReaderBuilder::new().has_headers(false).from_reader(line).read_byte_record(&mut record);
+    let fields = if read.is_ok() { record.len() } else { 0 };
+    [2, 1].map(|behind| fields >= behind && !record[fields - behind].is_empty())
+}
+
 /// What the row with these values begins with.
 pub(super) fn beginning(values: &[f64]) -> String {
     values.iter().map(|value| format!("{},", number(*value))).collect()
@@ -58,5 +70,17 @@ mod tests {
             notes: vec!["a \"b\"\nc".into(), "d, e".into()],
         };
         assert_eq!(row.line(), "0.001,0,0.1,,A5,,chatter,\"a \"\"b\"\" c; d, e\"\n");
+    }
+
+    #[test]
+    fn a_line_tells_whether_its_run_failed_and_has_a_note() {
+        for error in [None, Some("chatter")] {
+            for note in ["", "quiet", "a, \"b\",,"] {
+                let notes = if note.is_empty() { vec![] } else { vec![note.to_owned()] };
+                let row = Row { values: vec![1.0], cells: vec![None, Some(Cell::Number(0.1))], error, notes };
+                let told = error_and_note(row.line().as_bytes());
+                assert_eq!(told, [error.is_some(), !note.is_empty()], "{}", row.line());
+            }
+        }
     }
 }

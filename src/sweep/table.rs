@@ -41,6 +41,7 @@ fn rows(text: &str, program: &Program) -> Result<(Vec<String>, Vec<f64>), String
         .from_reader(text.as_bytes());
     let mut records = reader.records().map(|record| record.map_err(|error| error.to_string()));
     let names = records.next().ok_or(EMPTY)??;
+    check_commas(&names)?;
     let slots = names.iter().map(|name| slot(program, name)).collect::<Result<Vec<_>, _>>();
     let slots = slots.map_err(|error| error.to_string())?;
     let mut values = Vec::new();
@@ -51,6 +52,15 @@ fn rows(text: &str, program: &Program) -> Result<(Vec<String>, Vec<f64>), String
         return Err(EMPTY.to_owned());
     }
     Ok((names.iter().map(str::to_owned).collect(), values))
+}
+
+/// Whether names that stand in one field are separated by something else than commas.
+fn check_commas(names: &StringRecord) -> Result<(), String> {
+    let others = [(';', "semicolons"), ('\t', "tabs")];
+    match others.into_iter().find(|(other, _)| names.iter().any(|name| name.contains(*other))) {
+        Some((_, called)) => Err(format!("names and values are separated by commas, not by {called}")),
+        None => Ok(()),
+    }
 }
 
 const EMPTY: &str = "a line of parameters' names is needed, and a line of values for every run";
@@ -140,6 +150,8 @@ mod tests {
             ("VcL,Tc\n1e-3,\n", "FILE: line 2 has \"\" where a finite number is needed, for Tc"),
             ("VcL\n1e-3\ninf\n", "FILE: line 3 has \"inf\" where"),
             ("VcL\n1e-3\n1\n", "FILE: line 3: VcL = 1 m/s is outside its range"),
+            ("VcL;Tc\n1e-3;0.01\n", "FILE: names and values are separated by commas, not by semicolons"),
+            ("VcL\tTc\n1e-3\t0.01\n", "FILE: names and values are separated by commas, not by tabs"),
             ("VcL,VcL\n1e-3,1e-3\n", "VcL is varied twice"),
             (
                 "# VcL: mm/s\nVcL\n1\n",

@@ -18,7 +18,7 @@ use patchcord::instruments::Measure;
 use patchcord::patch::{ElementBuilder, Patch, PatchBuilder};
 use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
-use patchcord::sweep::{Axis, Plan, Sweep};
+use patchcord::sweep::{Axis, Plan, Sweep, Tally};
 
 fn program(patch: &Patch, changes: &[(String, f64)]) -> Option<(Circuit, Program)> {
     let circuit = Circuit::new(patch, changes).ok()?;
@@ -142,6 +142,31 @@ fn runs_that_fail_and_overloads_are_kept_with_their_reason() {
 }
 
 #[test]
+fn a_sweep_gone_on_with_counts_what_was_there() {
+    let sweep = sweep(&pot(), &["k=0.1,0.75,0.4,0.2"], &["frequency:s"], |own| own);
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let tally = || sweep.append_to(file.path(), 1, &mut |_| ()).unwrap();
+    assert_eq!(tally(), Tally { kept: 0, written: 4, failed: 1, noted: 3 });
+    assert_eq!(tally(), Tally { kept: 4, written: 0, failed: 1, noted: 3 });
+    let table = std::fs::read_to_string(file.path()).unwrap();
+    let cut = table.rfind("0.4,").unwrap();
+    std::fs::write(file.path(), &table[..cut]).unwrap();
+    assert_eq!(tally(), Tally { kept: 2, written: 2, failed: 1, noted: 3 });
+    assert_eq!(std::fs::read_to_string(file.path()).unwrap(), table);
+}
+
+#[test]
+fn an_oscillation_is_not_read_over_more_than_the_run() {
+    let noted = |last: &str| {
+        let measure = format!("amplitude:s,last={last}");
+        rows(&sweep(&pot(), &["k=0.1,0.2"], &[measure.as_str()], |own| own), 1).remove(0)
+    };
+    let longer = |row: &str| row.contains("the last 1.5 s are longer than the run of 1 s");
+    assert!(longer(&noted("1.5")), "{}", noted("1.5"));
+    assert!(noted("1").contains("no oscillation"), "{}", noted("1"));
+}
+
+#[test]
 fn what_cannot_be_swept_is_refused() {
     let (circuit, program) = program(&pot(), &[]).unwrap();
     let plan = |text: &str| Plan::new(vec![Axis::parse(text).unwrap()], &program).unwrap();
@@ -172,4 +197,7 @@ fn a_head_tells_its_sweep_from_others() {
         let differing = first.lines().zip(other.lines()).find(|(one, other)| one != other);
         assert_eq!(differing.unwrap().1, line);
     }
+    let phases = sweep(&pot(), &["k=0:0.5:3"], &["peak:s"], |own| own.repeated(3)).head();
+    let line = "# run: phases, 3 s at most, step 0.1 s, recorded every 0.1 s\n";
+    assert!(phases.contains(line), "{phases}");
 }
