@@ -29,7 +29,7 @@ const MOST_KERNELS: usize = 64;
 /// From so many frames on their steps are interpreted together as quickly as each is alone (docs/performance.md), ...
 pub(crate) const FEWEST_ABREAST: usize = 3;
 /// ... and from so many as quickly as native code takes them one after the other.
-pub(super) const FEWEST_BEYOND_NATIVE: usize = 11;
+pub(super) const FEWEST_BEYOND_NATIVE: usize = 8;
 /// After so many interpreted steps native code has been worth its making, had it been there from the beginning: so many in
 /// any case, ...
 const PAYS: u64 = 6_000;
@@ -98,8 +98,17 @@ impl Folded {
     }
 
     /// The same of several frames, as long as nothing is met in any. There is no native code of that.
-    pub fn steps_abreast(&self, formation: &mut Formation, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
-        self.kernel.steps(&mut formation.frame, tables, steps)
+    pub fn steps_abreast(
+        &self,
+        formation: &mut Formation,
+        tables: &[Vec<[f64; 2]>],
+        steps: &Steps,
+        backend: Backend,
+    ) -> u64 {
+        let lanes = u64::from(formation.aboard().count_ones());
+        let gone = self.kernel.steps(&mut formation.frame, tables, steps);
+        self.count(lanes * gone, backend);
+        gone
     }
 
     /// From how many frames on their steps are quicker taken together than by one after the other.

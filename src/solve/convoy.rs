@@ -96,7 +96,7 @@ impl<'p, 'w> Convoy<'p, 'w> {
         let count = rooms.min().unwrap_or_else(|| self.steps_apart());
         let next = first.saturating_add(count);
         for wing in &mut self.wings {
-            wing.fly(&mut self.members, next);
+            wing.fly(&mut self.members, next, self.backend);
         }
         let aboard = self.aboard();
         let alone = self.members.iter_mut().enumerate().filter(|(lane, _)| !is_among(aboard, *lane));
@@ -178,11 +178,11 @@ impl Wing {
     }
 
     /// Goes on to the step of a number.
-    fn fly(&mut self, members: &mut [Member<'_, '_>], next: u64) {
+    fn fly(&mut self, members: &mut [Member<'_, '_>], next: u64, backend: Backend) {
         while let Some(lane) = lanes(self.formation.aboard()).next().filter(|_| self.steps.first < next) {
             let steps = Steps { count: next - self.steps.first, ..self.steps };
             let tables = &members[lane].player.machine.program.tables;
-            let gone = self.folded.steps_abreast(&mut self.formation, tables, &steps);
+            let gone = self.folded.steps_abreast(&mut self.formation, tables, &steps, backend);
             self.steps = self.steps.after(gone);
             if gone < steps.count {
                 self.part(members);
