@@ -106,15 +106,14 @@ impl Kernel {
 
     /// What is worked out next is worked out at an instant within that stretch, on the cubic through states and rates at its
     /// ends, whose shares are given.
-    pub fn go_back<V: Lane>(&self, frame: &mut Frame<V>, time: f64, [states, rates]: [[f64; 2]; 2]) {
-        let [states, rates] = [states, rates].map(|shares| shares.map(V::splat));
+    pub fn go_back(&self, frame: &mut Frame<f64>, time: f64, [states, rates]: [[f64; 2]; 2]) {
         for index in 0..frame.states.len() {
             let last = &frame.last;
-            let begin = last.states[index].multiply(states[0]).add(last.rates[index].multiply(rates[0]));
-            let end = frame.states[index].multiply(states[1]).add(frame.rates[index].multiply(rates[1]));
-            frame.slots[self.layout.states + index] = begin.add(end);
+            let begin = last.states[index] * states[0] + last.rates[index] * rates[0];
+            let end = frame.states[index] * states[1] + frame.rates[index] * rates[1];
+            frame.slots[self.layout.states + index] = begin + end;
         }
-        frame.slots[self.layout.time] = V::splat(time);
+        frame.slots[self.layout.time] = time;
     }
 }
 

@@ -21,7 +21,7 @@ pub(crate) enum Look {
 impl Kernel {
     /// Looks ahead by a step of this length that ends at a time, and at every watch.
     #[inline(always)]
-    fn look<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], length: f64, end: f64) -> Look {
+    fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64, end: f64) -> Look {
         self.to_middle(frame, tables, length, &self.thorough);
         let within = self.rest(frame, self.thorough.in_middle);
         self.to_end(frame, tables, [length, end], &self.thorough);
@@ -193,12 +193,12 @@ impl Kernel {
     }
 
     /// Looks ahead by a step of this length.
-    pub fn look_ahead<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], length: f64) -> Look {
+    pub fn look_ahead(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> Look {
         Arch::new().dispatch(OneLook { kernel: self, frame, tables, length })
     }
 
     /// Makes the step looked at, which ends at a time, the present.
-    pub fn take<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
+    pub fn take(&self, frame: &mut Frame<f64>, time: f64) {
         (frame.last.begin, frame.last.end) = (frame.time, time);
         frame.last.states.copy_from_slice(&frame.states);
         frame.last.rates.copy_from_slice(&frame.rates);
@@ -246,14 +246,14 @@ impl<V: Lane> NullaryFnOnce for AtSlots<'_, V> {
     }
 }
 
-struct OneLook<'a, V> {
+struct OneLook<'a> {
     kernel: &'a Kernel,
-    frame: &'a mut Frame<V>,
+    frame: &'a mut Frame<f64>,
     tables: &'a [Vec<[f64; 2]>],
     length: f64,
 }
 
-impl<V: Lane> NullaryFnOnce for OneLook<'_, V> {
+impl NullaryFnOnce for OneLook<'_> {
     type Output = Look;
 
     #[inline(always)]
