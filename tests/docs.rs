@@ -2,6 +2,8 @@
 
 #[path = "problems/mod.rs"]
 mod problems;
+#[path = "../benches/performance/threads.rs"]
+mod threads;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -126,6 +128,26 @@ fn every_backend_and_every_problem_is_measured() {
     for problem in &problems::PROBLEMS {
         let row = format!("\n| {} |", problem.name);
         assert!(measured(&page, "problems").contains(&row), "{} is not measured", problem.name);
+    }
+}
+
+#[test]
+fn sweeps_are_measured_on_more_and_more_threads_up_to_the_cores() {
+    let ladders: [&[usize]; 5] = [&[1], &[1, 2], &[1, 2, 3], &[1, 2, 4], &[1, 2, 4, 6]];
+    for (cores, tried) in [1, 2, 3, 4, 6].into_iter().zip(ladders) {
+        assert_eq!(threads::up_to(cores), tried);
+    }
+    let page = fs::read_to_string("docs/performance.md").unwrap();
+    let machine = measured(&page, "machine").split_once(" cores; ").unwrap().0;
+    let cores = machine.rsplit(' ').next().unwrap().parse().unwrap();
+    for threads in threads::up_to(cores) {
+        for backend in Backend::ALL {
+            let row = format!("\n| patchcord, {backend}, {threads} thread");
+            assert!(
+                measured(&page, "sweep").contains(&row),
+                "{backend} is not measured on {threads} threads"
+            );
+        }
     }
 }
 

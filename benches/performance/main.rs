@@ -12,6 +12,7 @@ mod page;
 mod peers;
 mod problems;
 mod startup;
+mod threads;
 mod throughput;
 mod whole;
 

@@ -13,6 +13,7 @@ use crate::clock::{Work, in_turns, three, timed, told};
 use crate::own::{self, BACKENDS_OF_SWEEPS, Backend, Fig816, SAMPLES, Steps};
 use crate::page;
 use crate::peers::{Peers, RUNS};
+use crate::threads;
 
 /// The share of the runs that has to be right, and to what.
 const SHARE: f64 = 0.95;
@@ -29,6 +30,7 @@ const ROUNDS: usize = 2;
 
 pub fn table(peers: &Peers, fig: &Fig816, quick: bool) -> Outcome<String> {
     let reference = peers.c_swept("fig_8_16_located", REFERENCE)?.velocity;
+    let tried = threads::up_to(thread::available_parallelism()?.get());
     let (mut entries, mut works): (Vec<Entry>, Vec<Work<'_>>) = (Vec::new(), Vec::new());
     for (stem, name) in [("fig_8_16", "C, kinks stepped over"), ("fig_8_16_located", "C, kinks located")] {
         let (step, share) = c_step(peers, stem, &reference)?;
@@ -38,7 +40,7 @@ pub fn table(peers: &Peers, fig: &Fig816, quick: bool) -> Outcome<String> {
     for backend in BACKENDS_OF_SWEEPS {
         let step = step_of(fig, backend, &reference)?;
         let share = share_right(fig, backend, step, &reference, if quick { THINNED } else { 1 })?;
-        for threads in [1, 2] {
+        for &threads in &tried {
             let name =
                 format!("patchcord, {}, {threads} thread{}", backend.0, if threads == 1 { "" } else { "s" });
             entries.push(Entry { name, step, share, threads: Some(threads) });
