@@ -13,6 +13,7 @@ use patchcord::elements::reference_page;
 use patchcord::patch::{Patch, json_schema};
 use patchcord::plot;
 use patchcord::program::Program;
+use patchcord::replay;
 use patchcord::solve::{self, Backend, RunSettings};
 
 fn documents() -> Vec<PathBuf> {
@@ -89,6 +90,13 @@ fn the_schema_is_fresh() {
 #[test]
 fn the_page_of_elements_is_fresh() {
     check_fresh("docs/elements.md", &reference_page());
+}
+
+#[test]
+fn the_page_of_claims_is_fresh() {
+    let chapters = replay::ledger().unwrap_or_else(|error| panic!("{error}"));
+    let page = replay::page(&chapters).unwrap_or_else(|(id, error)| panic!("{id}: {error}"));
+    check_fresh("docs/claims.md", &page);
 }
 
 #[test]

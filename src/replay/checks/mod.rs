@@ -1,0 +1,59 @@
+//! The checks that decide claims, by name. A chapter's stand in its own file, one row each in its own table.
+
+mod chapter_7;
+
+use super::finding::Finding;
+use super::given::{Given, GivenError};
+use crate::slideway::SlidewayError;
+
+/// A check: what it is called in the ledger, and how it finds what it finds.
+struct Check {
+    name: &'static str,
+    run: fn(&Given) -> Result<Finding, CheckError>,
+}
+
+/// The tables of all chapters.
+const TABLES: &[&[Check]] = &[chapter_7::CHECKS];
+
+/// Why a check finds nothing.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CheckError {
+    /// A name that no check has.
+    #[error("there is no check {0}")]
+    Unknown(String),
+    /// Arguments that are wrong.
+    #[error(transparent)]
+    Given(#[from] GivenError),
+    /// A law that does not hold for what it is given.
+    #[error(transparent)]
+    Slideway(#[from] SlidewayError),
+}
+
+/// Runs a check by name. It has to ask for every argument: one that it does not know would say something that is not so.
+pub(super) fn run(name: &str, given: &Given) -> Result<Finding, CheckError> {
+    let mut all = TABLES.iter().copied().flatten();
+    let check = all.find(|check| check.name == name).ok_or_else(|| CheckError::Unknown(name.to_owned()))?;
+    let finding = (check.run)(given)?;
+    given.all_asked()?;
+    Ok(finding)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn every_check_has_a_name_of_its_own() {
+        let mut seen = HashSet::new();
+        assert!(TABLES.iter().copied().flatten().all(|check| seen.insert(check.name)));
+    }
+
+    #[test]
+    fn arguments_that_a_check_does_not_take_are_refused() {
+        let given = Given::parse("B=50e-6 X=1").unwrap();
+        assert_eq!(run("ridge-radius", &given).unwrap_err().to_string(), "the check takes no X");
+        assert_eq!(run("no-such", &given).unwrap_err().to_string(), "there is no check no-such");
+    }
+}

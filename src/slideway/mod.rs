@@ -1,0 +1,13 @@
+//! The physics of a machine-tool slideway, as the study of its stick-slip derives it, in pure functions.
+//!
+//! Everything that is handed in or out is in SI units; formulas that the study fitted in kgf, mm, P and cm/s are kept as
+//! printed and converted at their edges ([`units`]). "eq 34-7" is equation 34 of the study's chapter 7. Where its sums and
+//! its fitted formulas differ, both are here, and say so. What lies outside the range of a law is a [`SlidewayError`],
+//! never a plausible number.
+
+pub mod ridge;
+pub mod units;
+
+mod range;
+
+pub use range::{Range, SlidewayError};
