@@ -5,9 +5,21 @@
 //! its fitted formulas differ, both are here, and say so. What lies outside the range of a law is a [`SlidewayError`],
 //! never a plausible number.
 
+pub mod adhesion;
+pub mod describing;
+pub mod design;
+pub mod falling;
+pub mod history;
+pub mod hydraulics;
+pub mod measured;
+pub mod power_law;
 pub mod ridge;
+pub mod scaling;
+pub mod stability;
+pub mod tilt;
 pub mod units;
 
 mod range;
+mod root;
 
 pub use range::{Range, SlidewayError};

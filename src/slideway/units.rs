@@ -30,3 +30,5 @@ pub const CM_PER_S: f64 = CM;
 pub const N_PER_MM: f64 = 1.0 / MM;
 /// One N s/mm, in N s/m: viscous damping and slopes of friction.
 pub const N_S_PER_MM: f64 = 1.0 / MM;
+/// One millisecond, in s.
+pub const MS: f64 = 1e-3;

@@ -1,0 +1,310 @@
+//! Stick-slip before the study: what others had derived (chapter 2).
+
+use std::f64::consts::PI;
+
+use super::root::halved;
+use super::{Range, SlidewayError};
+
+const DROP: Range = Range::positive("drop of friction", "N");
+const MASS: Range = Range::positive("mass M", "kg");
+const STIFFNESS: Range = Range::positive("stiffness K", "N/m");
+const VELOCITY: Range = Range::positive("drive velocity", "m/s");
+const WEIGHT: Range = Range::not_negative("weight W", "N");
+const TIME: Range = Range::not_negative("time at rest", "s");
+const DAMPING: Range = Range::new("damping ratio", "", 0.0, 0.999_999);
+
+/// Derjaguin, Push and Tolstoi: a mass that slips on a moving base, with friction that drops by dF when it starts to slip and falls
+/// straight with the velocity of slip (eq 15.2 ... 19.2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slip {
+    /// Drop of friction dF at the instant of slip, in N, above 0.
+    pub drop: f64,
+    /// Mass M, in kg, above 0.
+    pub mass: f64,
+    /// Stiffness K, in N/m, above 0.
+    pub stiffness: f64,
+    /// What is left of damping, zeta = (f - n) / (2 sqrt(K M)), with n the fall of friction by velocity; 0 ... 1.
+    pub damping: f64,
+}
+
+impl Slip {
+    fn checked(&self) -> Result<&Self, SlidewayError> {
+        DROP.check(self.drop)?;
+        MASS.check(self.mass)?;
+        STIFFNESS.check(self.stiffness)?;
+        DAMPING.check(self.damping)?;
+        Ok(self)
+    }
+
+    /// sqrt(K M), in N s/m.
+    fn impedance(&self) -> f64 {
+        (self.stiffness * self.mass).sqrt()
+    }
+
+    /// phi = dF / (V sqrt(K M)) at a drive velocity V in m/s (eq 17.2).
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range.
+    pub fn drop_ratio(&self, velocity: f64) -> Result<f64, SlidewayError> {
+        Ok(self.checked()?.drop / (VELOCITY.check(velocity)? * self.impedance()))
+    }
+
+    /// Velocity of slip in m/s, `time` in s after its start, at a drive velocity V in m/s: V (1 - exp(-theta w t) (cos w t + (zeta - phi) /
+    /// sqrt(1 - zeta^2) sin w t)), theta = zeta / sqrt(1 - zeta^2), w = sqrt(K/M) sqrt(1 - zeta^2) (eq 18.2). It holds until slip ends.
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range.
+    pub fn velocity(&self, drive: f64, time: f64) -> Result<f64, SlidewayError> {
+        let wave = Wave { damping: self.damping, drop: self.drop_ratio(drive)? };
+        let frequency = (self.stiffness / self.mass).sqrt() * wave.root();
+        Ok(drive * (1.0 - wave.at(frequency * time)))
+    }
+
+    /// How long a slip lasts, in s, at a drive velocity in m/s. Without damping it is 2 (pi - atan(phi)) / wn, which tends to pi / wn for
+    /// slow drives (Bowden and Tabor).
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range, or the drive is faster than critical: then slip never ends.
+    pub fn duration(&self, drive: f64) -> Result<f64, SlidewayError> {
+        let wave = Wave { damping: self.damping, drop: self.drop_ratio(drive)? };
+        if wave.crest() < 1.0 {
+            let because = format!("the drive at {drive} m/s is faster than critical");
+            return Err(SlidewayError::NoSolution { sought: "end of slip", because });
+        }
+        let (trough, crest) = wave.turns();
+        let angle = halved(trough, crest, |angle| wave.at(angle) < 1.0);
+        Ok(angle / ((self.stiffness / self.mass).sqrt() * wave.root()))
+    }
+
+    /// The drive velocity in m/s from which slip never ends, so that there is no stick: eq 18.2 touches 0 there.
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range, or there is no damping: then slip ends at every velocity.
+    pub fn critical_velocity(&self) -> Result<f64, SlidewayError> {
+        self.damped()?;
+        // The crest rises with phi without end; with phi = zeta it is below 1.
+        let crest = |drop| Wave { damping: self.damping, drop }.crest();
+        let mut high = 1.0;
+        while crest(high) < 1.0 {
+            high *= 2.0;
+        }
+        let drop = halved(0.0, high, |drop| crest(drop) < 1.0);
+        Ok(self.drop / (drop * self.impedance()))
+    }
+
+    /// The same for little damping, dF / sqrt(4 pi zeta M K), in m/s (eq 19.2): 3 % too high at zeta = 0.01, 15 % at 0.05, 31 % at 0.1.
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range, or there is no damping.
+    pub fn approximate_critical_velocity(&self) -> Result<f64, SlidewayError> {
+        let slip = self.damped()?;
+        Ok(slip.drop / ((4.0 * PI * slip.damping).sqrt() * slip.impedance()))
+    }
+
+    fn damped(&self) -> Result<&Self, SlidewayError> {
+        Range::positive("damping ratio", "").check(self.damping)?;
+        self.checked()
+    }
+}
+
+/// exp(-theta x) (cos x + (zeta - phi) / sqrt(1 - zeta^2) sin x): what is missing of the drive's velocity, by angle.
+struct Wave {
+    damping: f64,
+    drop: f64,
+}
+
+impl Wave {
+    fn root(&self) -> f64 {
+        (1.0 - self.damping.powi(2)).sqrt()
+    }
+
+    fn at(&self, angle: f64) -> f64 {
+        let (sine, cosine) = angle.sin_cos();
+        let decay = (-self.damping / self.root() * angle).exp();
+        decay * (cosine + (self.damping - self.drop) / self.root() * sine)
+    }
+
+    /// The angles of the first trough and of the crest behind it.
+    fn turns(&self) -> (f64, f64) {
+        let lead = (self.drop * self.root()).atan2(1.0 - self.damping * self.drop);
+        (PI - lead, 2.0 * PI - lead)
+    }
+
+    fn crest(&self) -> f64 {
+        self.at(self.turns().1)
+    }
+}
+
+/// Static friction that grows at rest: Brockley's mu_s - mu_k = gamma t^beta (eq 20.2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GrowthAtRest {
+    /// Kinetic coefficient mu_k, which is also the static one at t = 0.
+    pub kinetic: f64,
+    /// gamma, in s^-beta.
+    pub factor: f64,
+    /// beta, the constant of growth.
+    pub exponent: f64,
+}
+
+impl GrowthAtRest {
+    /// Static coefficient after a time at rest in s.
+    ///
+    /// # Errors
+    /// Where the time is below 0.
+    pub fn static_coefficient(&self, time: f64) -> Result<f64, SlidewayError> {
+        Ok(self.kinetic + self.factor * TIME.check(time)?.powf(self.exponent))
+    }
+
+    /// Kinetic coefficient at a velocity in m/s by Rabinowicz's rule: the static one after the time that it takes to slide the critical
+    /// distance, in m.
+    ///
+    /// # Errors
+    /// Where velocity or distance is not above 0.
+    pub fn coefficient_at(&self, velocity: f64, critical_distance: f64) -> Result<f64, SlidewayError> {
+        let distance = Range::positive("critical distance", "m").check(critical_distance)?;
+        self.static_coefficient(distance / VELOCITY.check(velocity)?)
+    }
+}
+
+/// Kato, Yamaguchi and Matsubayashi's constants of a lubricant (eq 36.2): a and b in s^-m and s^-n.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KatoLubricant {
+    /// mu_s - mu_d: static coefficient less what is left of it at no time of stick.
+    pub drop: f64,
+    /// a.
+    pub a: f64,
+    /// m.
+    pub m: f64,
+    /// b.
+    pub b: f64,
+    /// n.
+    pub n: f64,
+}
+
+impl KatoLubricant {
+    /// Critical velocity in m/s for a weight in N, a mass in kg and a stiffness in N/m: 2 W / (pi sqrt(K M)) (mu_s - mu_d)
+    /// (1 - exp(-a (pi/wn)^m)) (1 - exp(-b (pi/wn)^n)) (eq 36.2).
+    ///
+    /// # Errors
+    /// Where mass or stiffness is not above 0, or the weight below 0.
+    pub fn critical_velocity(&self, weight: f64, mass: f64, stiffness: f64) -> Result<f64, SlidewayError> {
+        let (mass, stiffness) = (MASS.check(mass)?, STIFFNESS.check(stiffness)?);
+        let half_period = PI * (mass / stiffness).sqrt();
+        let grown = |rate: f64, power: f64| 1.0 - (-rate * half_period.powf(power)).exp();
+        let most = 2.0 * WEIGHT.check(weight)? / (PI * (mass * stiffness).sqrt());
+        Ok(most * self.drop * grown(self.a, self.m) * grown(self.b, self.n))
+    }
+}
+
+/// Bell and Burdekin's slope of dynamic friction in N s/m, (F1 - F2) / (v1 - v2) between the largest force and the largest velocity of
+/// a cycle (eq 33.2); where it and the equivalent linear damping add up to 0 is their critical velocity. Forces in N, velocities in m/s.
+///
+/// # Errors
+/// Where the velocities are the same.
+pub fn dynamic_slope(largest_force: (f64, f64), largest_velocity: (f64, f64)) -> Result<f64, SlidewayError> {
+    let (force, velocity) = largest_force;
+    let (force_there, velocity_there) = largest_velocity;
+    let fall = VELOCITY.check(velocity_there - velocity)?;
+    Ok((force_there - force) / fall)
+}
+
+/// Nakashima, Takata and Morita's friction for small motions, W a b0 / (s + b0) + T0 (eq 38.2), in the terms of the study.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NakashimaFriction {
+    /// Weight W, in N.
+    pub weight: f64,
+    /// a, in s/m; below 0 where friction falls.
+    pub slope: f64,
+    /// b0, in 1/s.
+    pub rate: f64,
+    /// T0, in N s/m.
+    pub linear: f64,
+}
+
+impl NakashimaFriction {
+    /// The slope Cn of falling friction, -W a, in N s/m.
+    pub fn falling(&self) -> f64 {
+        -self.weight * self.slope
+    }
+
+    /// The time constant Tc = 1 / b0, in s.
+    ///
+    /// # Errors
+    /// Where b0 is not above 0.
+    pub fn memory(&self) -> Result<f64, SlidewayError> {
+        Ok(1.0 / Range::positive("rate b0", "1/s").check(self.rate)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn unit(damping: f64) -> Slip {
+        Slip { drop: 1.0, mass: 1.0, stiffness: 1.0, damping }
+    }
+
+    #[test]
+    fn the_critical_velocity_is_that_of_tangency() {
+        for (damping, exact, approximate) in
+            [(0.001, 8.893, 8.921), (0.01, 2.739, 2.821), (0.05, 1.098, 1.262), (0.1, 0.680, 0.892)]
+        {
+            assert!((unit(damping).critical_velocity().unwrap() - exact).abs() < 1e-3);
+            assert!((unit(damping).approximate_critical_velocity().unwrap() - approximate).abs() < 1e-3);
+        }
+        assert!(unit(0.0).critical_velocity().is_err());
+    }
+
+    #[test]
+    fn a_slip_without_damping_lasts_half_a_period() {
+        let slip = Slip { drop: 100.0, mass: 454.0, stiffness: 17.86e6, damping: 0.0 };
+        assert!((slip.duration(1e-9).unwrap() / 0.015_839 - 1.0).abs() < 1e-4);
+        let ratio = slip.drop_ratio(1e-3).unwrap();
+        let closed = 2.0 * (PI - ratio.atan()) / (slip.stiffness / slip.mass).sqrt();
+        assert!((slip.duration(1e-3).unwrap() / closed - 1.0).abs() < 1e-6);
+        assert!(unit(0.05).duration(2.0).unwrap_err().to_string().contains("faster than critical"));
+    }
+
+    proptest! {
+        #[test]
+        fn slip_obeys_its_equation(damping in 0.0..0.9f64, drive in 0.1..10.0f64, time in 0.1..4.0f64) {
+            let slip = unit(damping);
+            let v = |time: f64| slip.velocity(drive, time).unwrap();
+            let small = 1e-3;
+            let rate = (v(time + small) - v(time - small)) / (2.0 * small);
+            let bend = (v(time + small) - 2.0 * v(time) + v(time - small)) / small.powi(2);
+            // M v'' + (f - n) v' + K (v - V) = 0, the slip's equation once differentiated.
+            prop_assert!((bend + 2.0 * damping * rate + v(time) - drive).abs() < 1e-4 * (1.0 + drive));
+            prop_assert!(v(0.0).abs() < 1e-12 && (v(1e-6) / 1e-6 - 1.0).abs() < 1e-4 * (1.0 + drive));
+        }
+
+        #[test]
+        fn slip_ends_below_the_critical_velocity_only(damping in 0.01..0.5f64, share in 0.2..2.0f64) {
+            prop_assume!((share - 1.0).abs() > 1e-6);
+            let slip = unit(damping);
+            let drive = share * slip.critical_velocity().unwrap();
+            let end = slip.duration(drive);
+            prop_assert_eq!(end.is_ok(), share < 1.0);
+            if let Ok(end) = end {
+                prop_assert!(slip.velocity(drive, end).unwrap().abs() < 1e-9 * drive);
+            }
+        }
+    }
+
+    #[test]
+    fn the_other_relations_are_as_printed() {
+        let growth = GrowthAtRest { kinetic: 0.2, factor: 0.05, exponent: 0.5 };
+        assert_eq!(growth.static_coefficient(0.0), Ok(0.2));
+        assert!((growth.static_coefficient(4.0).unwrap() - 0.3).abs() < 1e-12);
+        assert!((growth.coefficient_at(1e-6, 4e-6).unwrap() - 0.3).abs() < 1e-12);
+        let at_once = KatoLubricant { drop: 0.1, a: 1e9, m: 1.0, b: 1e9, n: 1.0 };
+        let velocity = at_once.critical_velocity(450.0 * 9.80665, 450.0, 45e6).unwrap();
+        assert!((velocity * 1e3 - 1.974).abs() < 1e-3);
+        assert_eq!(dynamic_slope((100.0, 1.0), (40.0, 4.0)), Ok(-20.0));
+        assert!(dynamic_slope((100.0, 1.0), (40.0, 1.0)).is_err());
+        let friction = NakashimaFriction { weight: 1000.0, slope: -0.02, rate: 100.0, linear: 5.0 };
+        assert_eq!((friction.falling(), friction.memory()), (20.0, Ok(0.01)));
+    }
+}

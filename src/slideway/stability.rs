@@ -1,0 +1,240 @@
+//! Small motions of a table whose solid friction follows velocity late: Routh-Hurwitz (8.2, 9.4 (i)).
+//!
+//! About a steady velocity at which solid friction falls by Cn for every unit of velocity, the table obeys
+//! M s^2 + f s - Cn s / (1 + Tc s) + K = 0. The study writes N for -Cn (eq 26-9 ... 32-9); here Cn is above 0 where
+//! friction falls, as in eq 40-8.
+
+use super::power_law::PowerLaw;
+use super::units::{N_PER_MM, N_S_PER_MM};
+use super::{Range, SlidewayError};
+
+const MASS: Range = Range::positive("mass M", "kg");
+const STIFFNESS: Range = Range::positive("stiffness K", "N/m");
+const DAMPING: Range = Range::not_negative("viscous coefficient f", "N s/m");
+const MEMORY: Range = Range::not_negative("time constant Tc", "s");
+
+/// A table on its drive: a mass on a spring with viscous damping, whose solid friction remembers velocity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrivenTable {
+    /// Mass M of what slides, in kg, above 0.
+    pub mass: f64,
+    /// Stiffness K of the drive, in N/m, above 0.
+    pub stiffness: f64,
+    /// Viscous coefficient f, in N s/m, not below 0.
+    pub damping: f64,
+    /// Time constant Tc with which solid friction follows velocity, in s, not below 0.
+    pub memory: f64,
+}
+
+/// The numbers without unit that decide stability (eq 33-9 ... 35-9).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Groups {
+    /// A = K Tc^2 / M.
+    pub stiffness: f64,
+    /// B = Cn Tc / M, above 0 where friction falls (the study's is below 0 there).
+    pub slope: f64,
+    /// C = f Tc / M.
+    pub damping: f64,
+}
+
+impl Groups {
+    /// B on the boundary of stability, C + A C / (1 + C) (eq 36-9, Fig 9.8).
+    pub fn boundary(stiffness: f64, damping: f64) -> f64 {
+        damping + stiffness * damping / (1.0 + damping)
+    }
+}
+
+impl DrivenTable {
+    /// The study's final simulation (8.4), M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm, with a time constant in s; it set
+    /// 6 ... 25 ms.
+    pub const fn simulated(memory: f64) -> Self {
+        DrivenTable { mass: 433.0, stiffness: 45e6, damping: 10.7e3, memory }
+    }
+
+    pub(super) fn checked(&self) -> Result<&Self, SlidewayError> {
+        MASS.check(self.mass)?;
+        STIFFNESS.check(self.stiffness)?;
+        DAMPING.check(self.damping)?;
+        MEMORY.check(self.memory)?;
+        Ok(self)
+    }
+
+    /// M + f Tc, in kg: the mass that the spring feels on the boundary of stability.
+    fn slowed_mass(&self) -> f64 {
+        self.mass + self.damping * self.memory
+    }
+
+    /// Undamped natural frequency, sqrt(K / M), in rad/s (eq 11-8).
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range.
+    pub fn natural_frequency(&self) -> Result<f64, SlidewayError> {
+        self.checked().map(|table| (table.stiffness / table.mass).sqrt())
+    }
+
+    /// Damping ratio of the table without solid friction, f / (2 sqrt(M K)) (eq 12-8).
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range.
+    pub fn damping_ratio(&self) -> Result<f64, SlidewayError> {
+        self.checked().map(|table| table.damping / (2.0 * (table.mass * table.stiffness).sqrt()))
+    }
+
+    /// Frequency with which the table without solid friction swings to rest, wn sqrt(1 - zeta^2), in rad/s.
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range, or damping leaves no swing.
+    pub fn damped_frequency(&self) -> Result<f64, SlidewayError> {
+        let damping = self.damping_ratio()?;
+        if damping >= 1.0 {
+            let because = format!("the damping ratio is {damping:.4}");
+            return Err(SlidewayError::NoSolution { sought: "damped frequency", because });
+        }
+        Ok(self.natural_frequency()? * (1.0 - damping.powi(2)).sqrt())
+    }
+
+    /// Factors of s^3, s^2, s and 1 in the denominator of eq 26-9, where solid friction falls by `slope`, in N s/m.
+    ///
+    /// # Errors
+    /// Where a quantity of the table is out of its range.
+    pub fn characteristic(&self, slope: f64) -> Result<[f64; 4], SlidewayError> {
+        let table = self.checked()?;
+        let velocity = table.stiffness * table.memory + table.damping - slope;
+        Ok([table.mass * table.memory, table.slowed_mass(), velocity, table.stiffness])
+    }
+
+    /// Whether small motions die away where solid friction falls by `slope`, in N s/m: (M + f Tc)(K Tc + f - Cn) > M K Tc
+    /// (eq 27-9; with "at least" it takes the boundary in).
+    ///
+    /// # Errors
+    /// Where a quantity of the table is out of its range.
+    pub fn is_stable(&self, slope: f64) -> Result<bool, SlidewayError> {
+        let [cube, square, line, constant] = self.characteristic(slope)?;
+        Ok(square * line > cube * constant)
+    }
+
+    /// The slope of solid friction on the boundary of stability, in N s/m: Cn = f + f K Tc^2 / (M + f Tc) (eq 32-9).
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range.
+    pub fn critical_slope(&self) -> Result<f64, SlidewayError> {
+        let table = self.checked()?;
+        let by_memory = table.damping * table.stiffness * table.memory.powi(2) / table.slowed_mass();
+        Ok(table.damping + by_memory)
+    }
+
+    /// Frequency on the boundary of stability, sqrt(K / (M + f Tc)), in rad/s (eq 40-9).
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range.
+    pub fn boundary_frequency(&self) -> Result<f64, SlidewayError> {
+        self.checked().map(|table| (table.stiffness / table.slowed_mass()).sqrt())
+    }
+
+    /// The numbers without unit, where solid friction falls by `slope`, in N s/m (eq 33-9 ... 35-9).
+    ///
+    /// # Errors
+    /// Where a quantity of the table is out of its range.
+    pub fn groups(&self, slope: f64) -> Result<Groups, SlidewayError> {
+        let table = self.checked()?;
+        let per_mass = table.memory / table.mass;
+        Ok(Groups {
+            stiffness: table.stiffness * table.memory * per_mass,
+            slope: slope * per_mass,
+            damping: table.damping * per_mass,
+        })
+    }
+
+    /// The power law closest to the critical slope over time constants in s: N s/mm by s, as eq 37-9 is printed.
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range, or fewer than two time constants differ.
+    pub fn slope_by_memory(&self, memories: &[f64]) -> Result<PowerLaw, SlidewayError> {
+        let point = |memory: &f64| {
+            Ok((*memory, DrivenTable { memory: *memory, ..*self }.critical_slope()? / N_S_PER_MM))
+        };
+        PowerLaw::fit(&memories.iter().map(point).collect::<Result<Vec<_>, SlidewayError>>()?)
+    }
+
+    /// The power law closest to the critical slope over stiffnesses in N/m: N s/mm by N/mm, as eq 38-9 is printed.
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range, or fewer than two stiffnesses differ.
+    pub fn slope_by_stiffness(&self, stiffnesses: &[f64]) -> Result<PowerLaw, SlidewayError> {
+        let point = |stiffness: &f64| {
+            let slope = DrivenTable { stiffness: *stiffness, ..*self }.critical_slope()?;
+            Ok((*stiffness / N_PER_MM, slope / N_S_PER_MM))
+        };
+        PowerLaw::fit(&stiffnesses.iter().map(point).collect::<Result<Vec<_>, SlidewayError>>()?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn near(got: f64, wanted: f64, share: f64) {
+        assert!((got / wanted - 1.0).abs() < share, "{got}, not {wanted}");
+    }
+
+    #[test]
+    fn figures_of_the_study_come_out() {
+        let early = DrivenTable { mass: 454.0, stiffness: 17.86e6, damping: 17.86e3, memory: 0.0 };
+        near(early.natural_frequency().unwrap(), 198.34, 1e-4);
+        near(early.damping_ratio().unwrap(), 0.09917, 1e-4);
+        let table = DrivenTable { damping: 10.71e3, ..DrivenTable::simulated(0.0071) };
+        near(table.critical_slope().unwrap() / N_S_PER_MM, 58.4, 1e-3);
+        near(table.boundary_frequency().unwrap(), 297.3, 1e-3);
+        near(table.damped_frequency().unwrap(), 322.14, 1e-4);
+    }
+
+    #[test]
+    fn without_memory_no_falling_friction_beyond_the_viscous_is_borne() {
+        assert_eq!(DrivenTable::simulated(0.0).critical_slope(), Ok(10.7e3));
+        assert!(DrivenTable { mass: 0.0, ..DrivenTable::simulated(0.0) }.critical_slope().is_err());
+        assert!(DrivenTable { damping: 1e6, ..DrivenTable::simulated(0.0) }.damped_frequency().is_err());
+    }
+
+    /// Whether all roots of a cubic lie left of the imaginary axis, from the eigenvalues of its companion matrix.
+    fn has_stable_roots([cube, square, line, constant]: [f64; 4]) -> bool {
+        // In units of the natural frequency, so that the matrix is balanced.
+        let scale = (constant / cube).cbrt();
+        let row = [-square / cube / scale, -line / cube / scale.powi(2), -1.0];
+        let companion =
+            DMatrix::from_row_slice(3, 3, &[row[0], row[1], row[2], 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        companion.complex_eigenvalues().iter().all(|root| root.re < 0.0)
+    }
+
+    prop_compose! {
+        fn tables()(mass in 100.0..4000.0f64, stiffness in 5e6..2e8f64, damping in 1e2..1e5f64, memory in 1e-3..0.1f64)
+            -> DrivenTable { DrivenTable { mass, stiffness, damping, memory } }
+    }
+
+    proptest! {
+        #[test]
+        fn the_criterion_agrees_with_the_roots(table in tables(), share in 0.2..2.0f64) {
+            prop_assume!((share - 1.0).abs() > 1e-3);
+            let slope = share * table.critical_slope().unwrap();
+            prop_assert_eq!(table.is_stable(slope).unwrap(), share < 1.0);
+            prop_assert_eq!(has_stable_roots(table.characteristic(slope).unwrap()), share < 1.0);
+        }
+
+        #[test]
+        fn groups_tell_the_same_boundary(table in tables()) {
+            let groups = table.groups(table.critical_slope().unwrap()).unwrap();
+            let boundary = Groups::boundary(groups.stiffness, groups.damping);
+            prop_assert!((groups.slope / boundary - 1.0).abs() < 1e-9);
+        }
+
+        #[test]
+        fn the_boundary_swings_with_its_frequency(table in tables()) {
+            let [cube, square, line, constant] = table.characteristic(table.critical_slope().unwrap()).unwrap();
+            let squared = table.boundary_frequency().unwrap().powi(2);
+            prop_assert!((squared * square / constant - 1.0).abs() < 1e-9);
+            prop_assert!((squared * cube / line - 1.0).abs() < 1e-6);
+        }
+    }
+}
