@@ -6,19 +6,29 @@
 //! never a plausible number.
 
 pub mod adhesion;
+pub mod asperities;
+pub mod boundary_film;
+pub mod crossing;
 pub mod describing;
 pub mod design;
+pub mod dry_friction;
 pub mod falling;
 pub mod history;
 pub mod hydraulics;
+pub mod joint;
+pub mod lubricated;
+pub mod material;
 pub mod measured;
+pub mod oil;
 pub mod power_law;
 pub mod ridge;
 pub mod scaling;
 pub mod stability;
 pub mod tilt;
 pub mod units;
+pub mod wedge;
 
+mod ellipse;
 mod range;
 mod root;
 

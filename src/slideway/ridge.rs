@@ -1,10 +1,12 @@
 //! One ridge of a ground surface: a low triangle, and the arc that stands in for it where it is pressed.
 
+use super::ellipse::CROSS_ANGLE;
 use super::units::UM;
 use super::{Range, SlidewayError};
 
 const WIDTH: Range = Range::positive("width of a ridge", "m");
 const HEIGHT: Range = Range::positive("height of a ridge", "m");
+const OVERLAP: Range = Range::not_negative("overlap", "m");
 
 /// The profile of a ridge (Fig 7.1): a triangle of base width B and height Z.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,8 +26,32 @@ impl Ridge {
     /// # Errors
     /// Where width or height is not above 0.
     pub fn radius(&self) -> Result<f64, SlidewayError> {
-        let (width, height) = (WIDTH.check(self.width)?, HEIGHT.check(self.height)?);
+        let (width, height) = self.size()?;
         Ok((4.0 * height.powi(2) + width.powi(2)) / (8.0 * height))
+    }
+
+    /// Area in m2 in which two such wedges meet that overlap by h in m and cross at an angle in radians:
+    /// (h B / Z)^2 / (2 sin beta), eq 5-7.
+    ///
+    /// # Errors
+    /// Where it is no ridge, the overlap is below 0, or the angle outside of 30 ... 90 degrees.
+    pub fn overlap_area(&self, overlap: f64, angle: f64) -> Result<f64, SlidewayError> {
+        let (width, height) = self.size()?;
+        let diagonal = OVERLAP.check(overlap)? * width / height;
+        Ok(diagonal.powi(2) / (2.0 * CROSS_ANGLE.check(angle)?.sin()))
+    }
+
+    /// tan(theta) = Z / B, 0.05 for ground iron: what friction climbs (eq 47-7). The flank itself is twice as steep; the study uses
+    /// that for the speed of approach (eq 104-7).
+    ///
+    /// # Errors
+    /// Where width or height is not above 0.
+    pub fn climb(&self) -> Result<f64, SlidewayError> {
+        self.size().map(|(width, height)| height / width)
+    }
+
+    fn size(&self) -> Result<(f64, f64), SlidewayError> {
+        Ok((WIDTH.check(self.width)?, HEIGHT.check(self.height)?))
     }
 }
 
@@ -42,7 +68,15 @@ mod tests {
     }
 
     #[test]
+    fn wedges_at_right_angles_meet_in_a_square() {
+        // |x| + |y| < h B / (2 Z): half the square of its diagonal.
+        let area = Ridge::GROUND.overlap_area(UM, std::f64::consts::FRAC_PI_2).unwrap();
+        assert!((area / (UM * UM) - 200.0).abs() < 1e-9);
+    }
+
+    #[test]
     fn a_ridge_without_height_has_no_arc() {
-        assert!(Ridge { height: 0.0, ..Ridge::GROUND }.radius().is_err());
+        let flat = Ridge { height: 0.0, ..Ridge::GROUND };
+        assert!(flat.radius().is_err() && flat.climb().is_err() && flat.overlap_area(UM, 1.0).is_err());
     }
 }

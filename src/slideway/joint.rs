@@ -1,0 +1,193 @@
+//! The joint of a table and its slides: one asperity range on every square centimetre, lumped into one pair of ridges of which the
+//! leading side carries and shears (7.2).
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::asperities::{AsperityRange, ContactLaws};
+use super::boundary_film::BoundaryFilm;
+use super::crossing::Crossing;
+use super::material::Material;
+use super::power_law::PowerLaw;
+use super::ridge::Ridge;
+use super::units::{CM2, KGF_PER_CM2, UM, UM2};
+use super::{Range, SlidewayError};
+
+/// Mean pressure under a table: the loads over which the laws of a range are fitted, 1e-4 ... 8 kgf on a square centimetre.
+pub(super) const PRESSURE: Range =
+    Range::new("mean pressure Pw", "Pa", 1e-4 * KGF_PER_CM2, 8.0 * KGF_PER_CM2);
+
+/// A joint of two like surfaces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Joint {
+    /// Its ridges.
+    pub ridge: Ridge,
+    /// Its metal.
+    pub material: Material,
+    /// Penetration hd at rest, um by kgf/cm2 (eq 94-7).
+    pub penetration: PowerLaw,
+    /// Real area of contact at rest Ac, um2 on a square centimetre by kgf/cm2.
+    pub area: PowerLaw,
+    /// The part of it that carries all when the joint is about to slip, AcL, um2 on a square centimetre by kgf/cm2 (eq 56-7).
+    pub leading_area: PowerLaw,
+}
+
+impl Joint {
+    /// The study's joint with its constants as printed: ground grade 17 iron, hd = 0.92 Pw^0.22, Ac = 10460 Pw^0.82,
+    /// AcL = 9707 Pw^0.82. ([`Joint::new`] with the printed laws gives 9528: the study's 51.44 of eq 53-7 is 1 / (0.072 x 0.27),
+    /// while its table has 0.075.)
+    pub const PRINTED: Joint = Joint {
+        ridge: Ridge::GROUND,
+        material: Material::GRADE_17_IRON,
+        penetration: ContactLaws::PRINTED.overlap,
+        area: ContactLaws::PRINTED.area,
+        leading_area: PowerLaw::new(9707.0, 0.82),
+    };
+
+    /// The joint of a ridge and a metal whose ranges follow these laws. Half the area leads; until the joint slips it takes over
+    /// the other half's load, sinks by hd / hd' of eq 52-7 and grows by Kd / 2 for that (eq 55-7), worked out at 1 kgf/cm2.
+    pub fn new(ridge: Ridge, material: Material, laws: &ContactLaws) -> Self {
+        let area = laws.area.at(1.0);
+        let growth = area / laws.overlap_of_area.at(area) / laws.overlap_of_area.exponent;
+        let sinking = laws.overlap.exponent * laws.overlap.at(1.0);
+        Joint {
+            ridge,
+            material,
+            penetration: laws.overlap,
+            area: laws.area,
+            leading_area: PowerLaw::new((area + sinking * growth) / 2.0, laws.area.exponent),
+        }
+    }
+
+    /// The joint from geometry and metal alone: ridges that cross at right angles in ranges whose levels lie a step in m apart,
+    /// laws fitted to the sums over the levels of the study.
+    ///
+    /// # Errors
+    /// What is no ridge, no metal or no step.
+    pub fn of_surfaces(ridge: Ridge, material: Material, step: f64) -> Result<Self, SlidewayError> {
+        let range = AsperityRange { crossing: Crossing::new(&ridge, &material, FRAC_PI_2)?, step };
+        let laws = ContactLaws::fitted(&range, ContactLaws::LEVELS_OF_STUDY)?;
+        Ok(Joint::new(ridge, material, &laws))
+    }
+
+    /// Penetration hd in m under a mean pressure in Pa (eq 94-7).
+    ///
+    /// # Errors
+    /// Outside of 1e-4 ... 8 kgf/cm2.
+    pub fn penetration(&self, pressure: f64) -> Result<f64, SlidewayError> {
+        Ok(self.penetration.at(in_kgf_per_cm2(pressure)?) * UM)
+    }
+
+    /// Real area of contact as a share of the apparent one, at rest under a mean pressure in Pa (eq 46-7).
+    ///
+    /// # Errors
+    /// Outside of 1e-4 ... 8 kgf/cm2.
+    pub fn area_share(&self, pressure: f64) -> Result<f64, SlidewayError> {
+        Ok(self.area.at(in_kgf_per_cm2(pressure)?) * UM2 / CM2)
+    }
+
+    /// Leading area as a share of the apparent one, when about to slip under a mean pressure in Pa (eq 56-7, 92-7).
+    ///
+    /// # Errors
+    /// Outside of 1e-4 ... 8 kgf/cm2.
+    pub fn leading_share(&self, pressure: f64) -> Result<f64, SlidewayError> {
+        in_kgf_per_cm2(pressure).map(|_| self.leading_share_of(pressure))
+    }
+
+    /// The same for what is left of a pressure that lies within the range, down to nothing.
+    pub(super) fn leading_share_of(&self, pressure: f64) -> f64 {
+        self.leading_area.at(pressure / KGF_PER_CM2) * UM2 / CM2
+    }
+
+    /// Static friction coefficient with a boundary film, under a mean pressure in Pa: (AcL / WT) KLP + tan(theta)
+    /// (eq 57-7, 59-7, 85-7). [`BoundaryFilm::DRY`] is no film.
+    ///
+    /// # Errors
+    /// Outside of 1e-4 ... 8 kgf/cm2, or where the film is none.
+    pub fn static_friction(&self, pressure: f64, film: &BoundaryFilm) -> Result<f64, SlidewayError> {
+        let strength = film.joint_strength(&self.material)?;
+        Ok(self.leading_share(pressure)? * strength / pressure + self.ridge.climb()?)
+    }
+
+    /// Friction coefficient that stands for the beginning of a pull on the dry joint, mu_so = Ac Ss / (2 WT), without
+    /// climbing (eq 67-7).
+    ///
+    /// # Errors
+    /// Outside of 1e-4 ... 8 kgf/cm2.
+    pub fn initial_friction(&self, pressure: f64) -> Result<f64, SlidewayError> {
+        Ok(self.area_share(pressure)? * self.material.shear_strength / (2.0 * pressure))
+    }
+
+    /// Displacement xm in m at which the joint slips under a mean pressure in Pa: WT / (Ka tan(theta)) (eq 52-7).
+    ///
+    /// # Errors
+    /// Outside of 1e-4 ... 8 kgf/cm2.
+    pub fn slip_displacement(&self, pressure: f64) -> Result<f64, SlidewayError> {
+        Ok(self.penetration.exponent * self.penetration(pressure)? / self.ridge.climb()?)
+    }
+
+    /// Normal stiffness Ka = dWT/dhd of a square metre at rest, in Pa/m, under a mean pressure in Pa (eq 49-7).
+    ///
+    /// # Errors
+    /// Outside of 1e-4 ... 8 kgf/cm2.
+    pub fn tangent_stiffness(&self, pressure: f64) -> Result<f64, SlidewayError> {
+        Ok(pressure / (self.penetration.exponent * self.penetration(pressure)?))
+    }
+
+    /// Mean pressure over the leading area, Pa = WT / AcL in Pa (eq 74-7).
+    ///
+    /// # Errors
+    /// Outside of 1e-4 ... 8 kgf/cm2.
+    pub fn leading_pressure(&self, pressure: f64) -> Result<f64, SlidewayError> {
+        Ok(pressure / self.leading_share(pressure)?)
+    }
+}
+
+fn in_kgf_per_cm2(pressure: f64) -> Result<f64, SlidewayError> {
+    Ok(PRESSURE.check(pressure)? / KGF_PER_CM2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MODEL: f64 = 0.65 * KGF_PER_CM2;
+
+    fn near(got: f64, printed: f64, share: f64) {
+        assert!((got / printed - 1.0).abs() < share, "{got} is not {printed}");
+    }
+
+    #[test]
+    fn the_dry_joint_of_the_study_comes_out() {
+        let joint = Joint::PRINTED;
+        near(joint.penetration(MODEL).unwrap() / UM, 0.8368, 1e-4);
+        near(joint.leading_share(MODEL).unwrap() * CM2 / UM2, 6820.0, 1e-3);
+        near(joint.static_friction(MODEL, &BoundaryFilm::DRY).unwrap(), 0.375, 5e-3);
+        near(joint.initial_friction(KGF_PER_CM2).unwrap(), 0.160, 1e-2);
+        near(joint.slip_displacement(MODEL).unwrap() / UM, 3.68, 1e-3);
+    }
+
+    #[test]
+    fn leading_area_by_consistent_laws_has_a_closed_form() {
+        // hd of Ac that follows from the other two: AcL = Ac (1 + exponent of Ac) / 2.
+        let (overlap, area) = (ContactLaws::PRINTED.overlap, ContactLaws::PRINTED.area);
+        let exponent = overlap.exponent / area.exponent;
+        let consistent = PowerLaw::new(overlap.factor / area.factor.powf(exponent), exponent);
+        let laws = ContactLaws { overlap_of_area: consistent, ..ContactLaws::PRINTED };
+        let joint = Joint::new(Ridge::GROUND, Material::GRADE_17_IRON, &laws);
+        near(joint.leading_area.factor, area.factor * (1.0 + area.exponent) / 2.0, 1e-12);
+    }
+
+    #[test]
+    fn geometry_and_metal_alone_give_nearly_the_printed_joint() {
+        let joint = Joint::of_surfaces(Ridge::GROUND, Material::GRADE_17_IRON, 0.06 * UM).unwrap();
+        let friction = |joint: Joint| joint.static_friction(MODEL, &BoundaryFilm::DRY).unwrap();
+        near(friction(joint), friction(Joint::PRINTED), 0.01);
+        near(joint.penetration(MODEL).unwrap(), Joint::PRINTED.penetration(MODEL).unwrap(), 0.005);
+    }
+
+    #[test]
+    fn pressures_beyond_the_laws_are_refused() {
+        assert!(Joint::PRINTED.penetration(9.0 * KGF_PER_CM2).is_err());
+        assert!(Joint::PRINTED.static_friction(0.0, &BoundaryFilm::DRY).is_err());
+    }
+}

@@ -1,0 +1,153 @@
+//! Oils: the pressure that their film builds up between sliding surfaces, and their drag (7.3.ii); viscosity by pressure and
+//! temperature (6.5).
+
+use super::power_law::PowerLaw;
+use super::units::{CM_PER_S, KGF_PER_CM2, POISE, UM};
+use super::wedge::DRAG_FACTOR;
+use super::{Range, SlidewayError};
+
+const VISCOSITY: Range = Range::positive("viscosity", "Pa s");
+const GAP: Range = Range::positive("height of the gap H", "m");
+/// The study fits up to 10 cm/s and goes no further.
+const VELOCITY: Range = Range::new("velocity", "m/s", 0.0, 10.0 * CM_PER_S);
+const PRESSURE: Range = Range::positive("film pressure", "Pa");
+
+/// Power of the gap in the film pressure: 2 of Reynolds' equation and 0.478 of Ks (eq 155-7).
+const GAP_EXPONENT: f64 = 2.478;
+/// Factor of eq 155-7: 6 times Ks 0.05 times 100, for P, cm/s, um, kgf/cm2. (The units alone would have it 30.6: 98.07 for 100.)
+const FILM_FACTOR: f64 = 30.0;
+
+/// An oil between the study's surfaces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Oil {
+    /// Viscosity eta, in Pa s.
+    pub viscosity: f64,
+    /// V / Cv by velocity, in cm/s: what the film's pressure is built up by. Cv is the study's correction of Reynolds' equation.
+    pub wedge_speed: PowerLaw,
+}
+
+impl Oil {
+    /// Oil 1: 0.74 P, V / Cv = 0.79 V^0.624 with a factor that makes eq 153-7 23.89 (eq 149-7 rounds it).
+    pub const ONE: Oil =
+        Oil { viscosity: 0.74 * POISE, wedge_speed: PowerLaw::new(23.89 / FILM_FACTOR, 0.624) };
+
+    /// Oil 2: V / Cv = 0.145 V^0.7, with a factor that makes eq 154-7 4.38. The scan lost its viscosity; 5.88 P follows from eq 10-9.
+    pub const TWO: Oil = Oil { viscosity: 5.88 * POISE, wedge_speed: PowerLaw::new(4.38 / FILM_FACTOR, 0.7) };
+
+    /// Pressure PL in Pa that the film builds up at a velocity in m/s and a gap H in m: 30 eta (V / Cv) / H^2.478 (eq 153-7 ... 155-7).
+    /// Velocities up to 10 cm/s, gaps of 4.64 ... 9.2 um; eq 149-7 and 150-7 were fitted above VcL, and are used from rest on.
+    ///
+    /// # Errors
+    /// Where viscosity or gap is not above 0, or the velocity outside of 0 ... 10 cm/s.
+    pub fn film_pressure(&self, velocity: f64, gap: f64) -> Result<f64, SlidewayError> {
+        let speed = self.wedge_speed.at(VELOCITY.check(velocity)? / CM_PER_S);
+        Ok(self.pressure_of(speed, GAP.check(gap)?, VISCOSITY.check(self.viscosity)?))
+    }
+
+    /// The gap in m over which the film builds up a pressure in Pa at a velocity in m/s, above 0.
+    ///
+    /// # Errors
+    /// As [`Oil::film_pressure`], and where the pressure is not above 0.
+    pub fn gap(&self, velocity: f64, pressure: f64) -> Result<f64, SlidewayError> {
+        let at_unit_gap = self.film_pressure(velocity, UM)?;
+        Ok((at_unit_gap / PRESSURE.check(pressure)?).powf(1.0 / GAP_EXPONENT) * UM)
+    }
+
+    /// The velocity in m/s at which the film builds up a pressure in Pa over a gap in m (eq 166-7, 167-7).
+    ///
+    /// # Errors
+    /// Where viscosity, gap or pressure is not above 0.
+    pub fn velocity(&self, gap: f64, pressure: f64) -> Result<f64, SlidewayError> {
+        let at_unit_speed = self.pressure_of(1.0, GAP.check(gap)?, VISCOSITY.check(self.viscosity)?);
+        Ok(self.wedge_speed.inverse().at(PRESSURE.check(pressure)? / at_unit_speed) * CM_PER_S)
+    }
+
+    /// Drag of the film on a square metre, in Pa, at a velocity in m/s and a gap in m: eta V Kf / H (eq 171-7, 176-7).
+    ///
+    /// # Errors
+    /// Where viscosity or gap is not above 0, or the velocity outside of 0 ... 10 cm/s.
+    pub fn drag(&self, velocity: f64, gap: f64) -> Result<f64, SlidewayError> {
+        let rate = VELOCITY.check(velocity)? / GAP.check(gap)?;
+        Ok(VISCOSITY.check(self.viscosity)? * rate * DRAG_FACTOR.at(gap / UM))
+    }
+
+    fn pressure_of(&self, speed: f64, gap: f64, viscosity: f64) -> f64 {
+        let printed = FILM_FACTOR * (viscosity / POISE) * speed / (gap / UM).powf(GAP_EXPONENT);
+        printed * KGF_PER_CM2
+    }
+}
+
+/// Cv = slow + by_speed V with V in cm/s: by how much the study divides Reynolds' pressure (eq 146-7 ... 148-7).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Correction {
+    /// Cv at rest.
+    pub slow: f64,
+    /// What every cm/s adds.
+    pub by_speed: f64,
+}
+
+impl Correction {
+    /// That of oil 1 (eq 147-7).
+    pub const ONE: Correction = Correction { slow: 1.6, by_speed: 0.14 };
+    /// That of oil 2 (eq 148-7).
+    pub const TWO: Correction = Correction { slow: 7.4, by_speed: 0.64 };
+
+    /// V / Cv at a velocity, both in cm/s.
+    pub fn wedge_speed(&self, velocity: f64) -> f64 {
+        velocity / (self.slow + self.by_speed * velocity)
+    }
+}
+
+/// By how much viscosity grows under a pressure in Pa: it doubles every 35 MN/m2 (6.5 1e).
+pub fn thickening(pressure: f64) -> f64 {
+    (pressure / 35e6).exp2()
+}
+
+/// By how much viscosity changes with a rise of temperature in K: it halves every 10 K (6.5 1f).
+pub fn thinning(rise: f64) -> f64 {
+    (-rise / 10.0).exp2()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn limit_velocities_of_both_oils_come_out() {
+        let at = |oil: Oil| oil.velocity(5.48 * UM, 0.65 * KGF_PER_CM2).unwrap() / CM_PER_S;
+        assert!((at(Oil::ONE) - 4.314).abs() < 0.03, "{}", at(Oil::ONE));
+        assert!((at(Oil::TWO) - 2.1483).abs() < 0.01, "{}", at(Oil::TWO));
+    }
+
+    #[test]
+    fn laws_of_wedge_speed_are_fits_of_the_corrections() {
+        for (oil, correction, slowest) in
+            [(Oil::ONE, Correction::ONE, 4.31), (Oil::TWO, Correction::TWO, 2.15)]
+        {
+            let points: Vec<_> = (0..=20)
+                .map(|step| slowest * (10.0f64 / slowest).powf(f64::from(step) / 20.0))
+                .map(|velocity| (velocity, correction.wedge_speed(velocity)))
+                .collect();
+            let fit = PowerLaw::fit(&points).unwrap();
+            assert!((fit.exponent - oil.wedge_speed.exponent).abs() < 0.01, "{fit:?}");
+            assert!(oil.wedge_speed.worst_miss(&points) < 0.05);
+        }
+    }
+
+    #[test]
+    fn viscosity_follows_pressure_and_temperature() {
+        assert_eq!((thickening(70e6), thinning(30.0)), (4.0, 0.125));
+    }
+
+    proptest! {
+        #[test]
+        fn gap_and_velocity_undo_pressure(velocity in 1e-4..0.1f64, micrometres in 4.0..10.0f64) {
+            let (oil, gap) = (Oil::ONE, micrometres * UM);
+            let pressure = oil.film_pressure(velocity, gap).unwrap();
+            prop_assert!((oil.gap(velocity, pressure).unwrap() / gap - 1.0).abs() < 1e-9);
+            prop_assert!((oil.velocity(gap, pressure).unwrap() / velocity - 1.0).abs() < 1e-9);
+        }
+    }
+}
