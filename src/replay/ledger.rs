@@ -18,8 +18,10 @@ pub struct Chapter {
 }
 
 /// The files: title, name, text.
-const FILES: &[(&str, &str, &str)] =
-    &[("Chapter 7: surfaces and friction", "chapter_7.csv", include_str!("claims/chapter_7.csv"))];
+const FILES: &[(&str, &str, &str)] = &[
+    ("Chapter 7: surfaces and friction", "chapter_7.csv", include_str!("claims/chapter_7.csv")),
+    ("Chapter 9: analysis", "chapter_9.csv", include_str!("claims/chapter_9.csv")),
+];
 
 /// What stands in the first line of every file.
 const COLUMNS: [&str; 10] =

@@ -1,6 +1,11 @@
-//! The checks that decide claims, by name. A chapter's stand in its own file, one row each in its own table.
+//! The checks that decide claims, by name. Those of a subject stand in a file, one row each in its table.
 
+mod arithmetic;
 mod chapter_7;
+mod describing;
+mod design;
+mod falling;
+mod stability;
 
 use super::finding::Finding;
 use super::given::{Given, GivenError};
@@ -12,8 +17,15 @@ struct Check {
     run: fn(&Given) -> Result<Finding, CheckError>,
 }
 
-/// The tables of all chapters.
-const TABLES: &[&[Check]] = &[chapter_7::CHECKS];
+/// The tables of all subjects.
+const TABLES: &[&[Check]] = &[
+    arithmetic::CHECKS,
+    chapter_7::CHECKS,
+    describing::CHECKS,
+    design::CHECKS,
+    falling::CHECKS,
+    stability::CHECKS,
+];
 
 /// Why a check finds nothing.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
