@@ -184,7 +184,7 @@ fn a_flat_extreme_begins_where_it_was_reached() {
 /// Samples that come before the end of a step by less than the grid of steps tells apart.
 #[test]
 fn samples_just_before_a_step_ends_are_read_off_it() {
-    let circuit = circuit(&common::patch_of("patches/lessons/mass-and-spring.json".as_ref()), &[]);
+    let circuit = circuit(&common::shipped("lessons/mass-and-spring"), &[]);
     let program = Program::new(&circuit).unwrap();
     let settings =
         RunSettings { step: 1e-3, every: 0.149_999_999_999_81, ..RunSettings::of(&circuit).unwrap() };

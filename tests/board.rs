@@ -299,7 +299,7 @@ fn the_dead_zone_leaves_from_its_diodes_and_the_limiter_is_joined() {
 #[test]
 fn all_modules_of_a_row_have_the_same_jacks() {
     for stem in ["fig-8-04", "fig-8-11", "fig-8-14", "fig-8-16"] {
-        let patch = Patch::read(format!("patches/thesis/{stem}.json").as_ref()).unwrap();
+        let patch = common::shipped(&format!("thesis/{stem}"));
         let circuit = common::circuit(&patch, &[]);
         let mut modules = board(&circuit).modules.into_iter().skip(3 + patch.drives.len());
         for part in

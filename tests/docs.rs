@@ -1,5 +1,6 @@
 //! The documents say what is true: paths exist, patches in them run, generated files are fresh.
 
+mod common;
 #[path = "problems/mod.rs"]
 mod problems;
 #[path = "../benches/performance/threads.rs"]
@@ -14,7 +15,8 @@ use patchcord::patch::{Patch, json_schema};
 use patchcord::plot;
 use patchcord::program::Program;
 use patchcord::replay;
-use patchcord::solve::{self, Backend, RunSettings};
+use patchcord::solve::{Backend, RunSettings};
+use problems::runs;
 
 fn documents() -> Vec<PathBuf> {
     let mut found = vec!["README.md".into(), "CONTRIBUTING.md".into(), "CHANGELOG.md".into()];
@@ -133,7 +135,7 @@ fn every_backend_and_every_problem_is_measured() {
     }
     told("sweep", &Backend::ALL);
     told("lanes", &[Backend::Lanes, Backend::Automatic]);
-    for problem in &problems::PROBLEMS {
+    for problem in problems::all() {
         let row = format!("\n| {} |", problem.name);
         assert!(measured(&page, "problems").contains(&row), "{} is not measured", problem.name);
     }
@@ -162,11 +164,9 @@ fn sweeps_are_measured_on_more_and_more_threads_up_to_the_cores() {
 /// Steps that were tried on the way to a crossing, and the percent of all evaluations that they took, on the first 2 s of
 /// Fig 8.16.
 fn tried(tolerance: f64) -> [f64; 2] {
-    let patch = Patch::read(Path::new("patches/thesis/fig-8-16.json")).unwrap();
-    let circuit = Circuit::new(&patch, &[]).unwrap();
-    let settings = RunSettings::of(&circuit).unwrap().lasting(2.0);
-    let settings = RunSettings { tolerance: Some(tolerance), ..settings };
-    let work = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap().sweeps[0].work;
+    let circuit = runs::circuit("thesis/fig-8-16", &[]);
+    let settings = RunSettings { tolerance: Some(tolerance), ..runs::settings(&circuit).lasting(2.0) };
+    let work = runs::ran_circuit(&circuit, &settings).sweeps[0].work;
     let [all, steps, crossings] =
         [work.evaluations, work.steps + work.rejections, work.crossings + work.changes].map(|n| n as f64);
     let tried = all - 6.0 * steps;

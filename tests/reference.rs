@@ -1,12 +1,12 @@
 //! Fig 8.16 against SciPy's solution of the physical equations (tests/reference/fig_8_16.py writes the table).
 
+mod common;
+#[path = "problems/mod.rs"]
+mod problems;
+
 use std::fs;
 
-use patchcord::circuit::Circuit;
-use patchcord::patch::Patch;
-use patchcord::program::Program;
-use patchcord::solve::{self, RunSettings};
-use patchcord::trace::Trace;
+use problems::runs::{difference, run, values};
 
 /// The settings of the cases in tests/reference/fig_8_16.py.
 const CASES: &[&[(&str, f64)]] = &[
@@ -21,15 +21,6 @@ const CASES: &[&[(&str, f64)]] = &[
 /// Share of the peak by which the default step of 20 us may differ; the worst case differs by 8.3e-10.
 const AGREEMENT: f64 = 1e-8;
 
-fn trace(changes: &[(&str, f64)]) -> Trace {
-    let patch = Patch::read("patches/thesis/fig-8-16.json".as_ref()).unwrap();
-    let changes: Vec<_> = changes.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    let circuit = Circuit::new(&patch, &changes).unwrap_or_else(|report| panic!("{report}"));
-    let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
-    let settings = RunSettings::of(&circuit).unwrap().lasting(0.2);
-    solve::run(&program, &settings).unwrap()
-}
-
 /// The rows of a case: t, v_o, spring_force, memory.
 fn reference(case: usize) -> Vec<Vec<f64>> {
     let table = fs::read_to_string("tests/reference/fig_8_16.csv").unwrap();
@@ -40,16 +31,14 @@ fn reference(case: usize) -> Vec<Vec<f64>> {
 #[test]
 fn fig_8_16_agrees_with_scipy() {
     for (case, changes) in CASES.iter().enumerate() {
-        let (trace, reference) = (trace(changes), reference(case));
+        let (trace, reference) = (run("thesis/fig-8-16", changes, 0.2), reference(case));
         assert_eq!(trace.overloads().count(), 0, "case {case}");
         assert_eq!(trace.len(), reference.len(), "case {case}");
         for (column, signal) in ["v_o", "spring_force", "memory"].iter().enumerate() {
             let wanted: Vec<f64> = reference.iter().map(|row| row[column + 1]).collect();
-            let peak = wanted.iter().fold(0.0, |peak: f64, value| peak.max(value.abs()));
-            let got = trace.values(signal).unwrap();
-            let worst = got.iter().zip(&wanted).map(|(got, wanted)| (got - wanted).abs()).fold(0.0, f64::max);
-            println!("case {case} {signal}: {:.1e} of the peak", worst / peak);
-            assert!(worst <= AGREEMENT * peak, "case {case}, {signal}: {worst} of {peak}");
+            let off = difference(&values(&trace, signal), &wanted);
+            println!("case {case} {signal}: {off:.1e} of the peak");
+            assert!(off <= AGREEMENT, "case {case}, {signal}: {off} of the peak");
         }
     }
 }

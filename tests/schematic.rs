@@ -35,7 +35,7 @@ fn the_final_circuit_is_drawn_rightly() {
 /// Of two circuits under one command each has rows of its own.
 #[test]
 fn circuits_with_common_drives_only_stand_one_below_the_other() {
-    let patch = Patch::read(std::path::Path::new("patches/thesis/fig-8-16-both.json")).unwrap();
+    let patch = common::shipped("thesis/fig-8-16-both");
     let drawn = schematic(&common::circuit(&patch, &[]));
     let of = |prefix: &'static str| {
         drawn.main.symbols.iter().filter(move |placed| placed.symbol.name.starts_with(prefix))

@@ -3,6 +3,8 @@
 
 mod accuracy;
 mod clock;
+#[path = "../../tests/common/mod.rs"]
+mod common;
 mod elements;
 mod lanes;
 #[path = "../../tests/problems/mod.rs"]
@@ -26,7 +28,7 @@ fn main() -> Outcome<()> {
     let (options, chosen): (Vec<_>, Vec<_>) = env::args().skip(1).partition(|word| word.starts_with('-'));
     let quick = options.iter().any(|option| option == "--quick");
     let peers = peers::Peers::built()?;
-    let fig = own::Fig816::read()?;
+    let fig = own::Fig816::read();
     let parts: [(&str, &dyn Fn() -> Outcome<String>); 9] = [
         ("machine", &|| Ok(peers.versions())),
         ("whole", &|| whole::table(&peers, &fig)),

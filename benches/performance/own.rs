@@ -1,15 +1,14 @@
 //! patchcord's own runs of Fig 8.16.
 
-use std::path::Path;
-
 use patchcord::circuit::Circuit;
-use patchcord::patch::Patch;
 use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
 use patchcord::trace::Trace;
 
 use crate::Outcome;
 use crate::clock::timed;
+use crate::common;
+use crate::library::runs;
 
 /// A way of running a program: its name, and how it is asked for.
 pub type Backend = (&'static str, fn(RunSettings) -> RunSettings);
@@ -56,11 +55,10 @@ pub const SAMPLES: usize = 2000;
 pub const REFERENCE: f64 = 2.5e-6;
 
 impl Fig816 {
-    pub fn read() -> Outcome<Fig816> {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("patches/thesis/fig-8-16.json");
-        let circuit = Circuit::new(&Patch::read(&file)?, &[])?;
-        let settings = RunSettings::of(&circuit)?;
-        Ok(Fig816 { program: Program::new(&circuit)?, circuit, settings })
+    pub fn read() -> Fig816 {
+        let circuit = runs::circuit("thesis/fig-8-16", &[]);
+        let settings = runs::settings(&circuit);
+        Fig816 { program: common::program_of(&circuit), circuit, settings }
     }
 
     /// The whole run as the patch asks for it, with these steps.
@@ -118,10 +116,9 @@ pub fn error(found: &[f64], reference: &[f64]) -> f64 {
     if found.len() < reference.len() {
         return f64::INFINITY;
     }
-    let peak = reference.iter().fold(0.0f64, |peak, value| peak.max(value.abs()));
     found.iter().zip(reference).fold(0.0f64, |worst, (one, other)| {
         let off = (one - other).abs();
         // A solver that gave no number is as wrong as can be.
         if off.is_nan() { f64::INFINITY } else { worst.max(off) }
-    }) / peak
+    }) / runs::peak(reference)
 }

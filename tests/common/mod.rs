@@ -4,6 +4,7 @@
 #![allow(dead_code, reason = "every test binary takes what it needs")]
 
 pub mod files;
+pub mod pages;
 pub mod traces;
 
 use std::path::Path;
@@ -18,9 +19,14 @@ pub fn patch(stem: &str) -> Patch {
     read(&format!("tests/patches/{stem}.json"))
 }
 
+/// A patch that comes with the program, such as "lessons/lorenz".
+pub fn shipped(stem: &str) -> Patch {
+    read(&format!("patches/{stem}.json"))
+}
+
 /// The slideway with falling friction and friction memory.
 pub fn slideway() -> Patch {
-    read("patches/thesis/fig-8-16.json")
+    shipped("thesis/fig-8-16")
 }
 
 fn read(file: &str) -> Patch {
@@ -38,9 +44,14 @@ pub fn circuit(patch: &Patch, changes: &[(&str, f64)]) -> Circuit {
     Circuit::new(patch, &changes).unwrap_or_else(|report| panic!("{report}"))
 }
 
+/// A circuit's program.
+pub fn program_of(circuit: &Circuit) -> Program {
+    Program::new(circuit).unwrap_or_else(|report| panic!("{report}"))
+}
+
 /// A patch's program, with parameters changed.
 pub fn program(patch: &Patch, changes: &[(&str, f64)]) -> Program {
-    Program::new(&circuit(patch, changes)).unwrap_or_else(|report| panic!("{report}"))
+    program_of(&circuit(patch, changes))
 }
 
 /// The program of a patch made in Rust.

@@ -1,9 +1,9 @@
 //! A ball in a box: parabolas between blows, heights and velocities in geometric series.
 
-use crate::bench::{program, step_of, trace, values};
 use crate::common::{ran, voltage};
+use crate::problems::runs::{program, run, step_of, values};
 
-const STEM: &str = "bouncing-ball";
+const STEM: &str = "lessons/bouncing-ball";
 const G: f64 = 9.81;
 const H0: f64 = 1.8;
 const E: f64 = 0.85;
@@ -42,7 +42,7 @@ fn across(time: f64) -> f64 {
 
 #[test]
 fn it_goes_from_wall_to_wall_each_time_slower() {
-    let trace = trace(STEM, &[], 20.0);
+    let trace = run(STEM, &[], 20.0);
     for (time, x) in trace.time.iter().zip(values(&trace, "x")) {
         assert!((x - across(*time)).abs() < NEAR, "{x} m at {time} s, not {}", across(*time));
     }
@@ -51,7 +51,7 @@ fn it_goes_from_wall_to_wall_each_time_slower() {
 #[test]
 fn it_stays_in_the_box() {
     for changes in [&[][..], &[("v0", 3.9), ("e", 1.0), ("e_wall", 1.0), ("width", 0.5)]] {
-        let trace = trace(STEM, changes, 20.0);
+        let trace = run(STEM, changes, 20.0);
         let width = if changes.is_empty() { WIDTH } else { 0.5 };
         for (signal, end) in [("x", width), ("y", H0)] {
             let track = trace.track(signal).unwrap();

@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use patchcord::instruments::harmonic;
 
-use crate::bench::{trace, values};
+use crate::problems::runs::{run, values};
+
+const STEM: &str = "lessons/driven-oscillator";
 
 #[test]
 fn steady_amplitude_and_phase_follow_the_formulas() {
@@ -12,7 +14,7 @@ fn steady_amplitude_and_phase_follow_the_formulas() {
     for (f, d) in [(0.3, 2.0), (0.8, 0.7), (1.0, 2.0), (1.00658, 2.0), (1.5, 6.0), (3.0, 2.0)] {
         let (m, k, force) = (1.0, 40.0, 0.5);
         let settled = 40.0 / d + 10.0 / f;
-        let trace = trace("driven-oscillator", &[("f", f), ("d", d), ("F", force)], settled);
+        let trace = run(STEM, &[("f", f), ("d", d), ("F", force)], settled);
         let from = trace.time.partition_point(|time| *time < settled - 10.0 / f - 1e-9);
         let read = |signal| harmonic(&trace.time[from..], &values(&trace, signal)[from..], f).unwrap();
         let (push, x) = (read("push"), read("x"));
@@ -30,7 +32,7 @@ fn steady_amplitude_and_phase_follow_the_formulas() {
 fn without_damping_at_resonance_the_swing_grows_evenly() {
     // x = F / (2 k) (sin w t - w t cos w t) at w = sqrt(k / m).
     let f = 40.0f64.sqrt() / TAU;
-    let trace = trace("driven-oscillator", &[("f", f), ("d", 0.0), ("F", 0.5)], 2.0);
+    let trace = run(STEM, &[("f", f), ("d", 0.0), ("F", 0.5)], 2.0);
     for (time, x) in trace.time.iter().zip(values(&trace, "x")) {
         let angle = TAU * f * time;
         let expected = 1e3 * 0.5 / 80.0 * (angle.sin() - angle * angle.cos());

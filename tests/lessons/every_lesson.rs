@@ -4,11 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use patchcord::program::Program;
-use patchcord::solve::{self, RunSettings};
+use patchcord::solve::RunSettings;
 use serde_json::Value;
 
-use crate::common::circuit;
+use crate::common::shipped;
+use crate::problems::runs::{circuit, ran_circuit, settings};
 
 fn stems() -> Vec<String> {
     let files = fs::read_dir("patches/lessons").unwrap().map(|entry| entry.unwrap().path());
@@ -22,7 +22,7 @@ fn stems() -> Vec<String> {
 #[test]
 fn every_lesson_says_what_it_is_and_where_it_comes_from() {
     for stem in stems() {
-        let patch = crate::bench::lesson(&stem);
+        let patch = shipped(&format!("lessons/{stem}"));
         let value = patch.value();
         for key in ["title", "source", "machine", "run", "pictures"] {
             assert!(!value[key].is_null(), "{stem} has no {key}");
@@ -43,13 +43,11 @@ fn notes(patch: &Value) -> usize {
 #[test]
 fn every_lesson_runs_to_its_end_between_20_and_95_volts() {
     for stem in stems() {
-        let circuit = circuit(&crate::bench::lesson(&stem), &[]);
+        let circuit = circuit(&format!("lessons/{stem}"), &[]);
         let elements = circuit.elements();
         let integrators = elements.iter().filter(|element| element.kind.name == "integrator");
         let record = integrators.map(|element| element.name.clone()).collect();
-        let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
-        let settings = RunSettings { record, ..RunSettings::of(&circuit).unwrap() };
-        let trace = solve::run(&program, &settings).unwrap_or_else(|error| panic!("{stem}: {error}"));
+        let trace = ran_circuit(&circuit, &RunSettings { record, ..settings(&circuit) });
         assert_eq!(trace.overloads().count(), 0, "{stem}: {:?}", trace.sweeps);
         for track in &trace.tracks {
             let swings = track.courses.iter().map(|course| course.most.volts.max(-course.least.volts));

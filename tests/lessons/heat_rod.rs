@@ -2,25 +2,11 @@
 
 use std::f64::consts::PI;
 
-use crate::bench::{program, step_of};
 use crate::common::{ran, voltage};
+use crate::problems::heat_rod::{CELLS, HOT, RATE, chain};
+use crate::problems::runs::{program, step_of};
 
-const STEM: &str = "heat-rod";
-const CELLS: usize = 6;
-const HOT: f64 = 80.0;
-/// Diffusivity by the square of a cell's length, per second.
-const RATE: f64 = 1.16e-4 / (0.05 * 0.05);
-
-/// Temperature of a cell by the eigenvectors sin(i theta) of the chain: held at the hot end, free at the other.
-fn chain(cell: usize, time: f64) -> f64 {
-    let modes = (1..=CELLS).map(|mode| {
-        let theta = (2 * mode - 1) as f64 * PI / (2 * CELLS + 1) as f64;
-        let shape = |cell: usize| (cell as f64 * theta).sin();
-        let share = (1..=CELLS).map(shape).sum::<f64>() / (1..=CELLS).map(|i| shape(i).powi(2)).sum::<f64>();
-        share * shape(cell) * (-4.0 * RATE * (theta / 2.0).sin().powi(2) * time).exp()
-    });
-    HOT * (1.0 - modes.sum::<f64>())
-}
+const STEM: &str = "lessons/heat-rod";
 
 /// Temperature of a rod without cells, 6.5 cells long as its free end lies half a cell beyond the last: Carslaw and
 /// Jaeger, chapter 3.

@@ -1,9 +1,10 @@
 //! Lorenz: fixed points, symmetry, contraction, and the first peaks.
 
-use crate::bench::{next_rise, program, step_of, trace};
+use crate::bench::next_rise;
 use crate::common::{ran, voltage};
+use crate::problems::runs::{program, run, step_of};
 
-const STEM: &str = "lorenz";
+const STEM: &str = "lessons/lorenz";
 const PROFILE: f64 = 0.6;
 
 /// Times and heights of the first peaks of z from (1, 1, 20): Taylor series of order 40 in steps of 1/50, with
@@ -66,7 +67,7 @@ fn volumes_shrink_everywhere_at_the_same_rate() {
 
 #[test]
 fn it_uses_the_machine_well_and_never_overloads() {
-    let trace = trace(STEM, &[], 200.0);
+    let trace = run(STEM, &[], 200.0);
     assert_eq!(trace.overloads().count(), 0);
     for track in &trace.tracks {
         let course = track.courses[0];

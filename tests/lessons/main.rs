@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../problems/mod.rs"]
+mod problems;
 
 mod bench;
 mod bouncing_ball;

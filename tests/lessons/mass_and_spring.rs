@@ -4,10 +4,11 @@ use std::f64::consts::TAU;
 
 use patchcord::program::Program;
 
-use crate::bench::{next_rise, program, step_of};
+use crate::bench::next_rise;
 use crate::common::{order, ran, voltage};
+use crate::problems::runs::{program, step_of};
 
-const STEM: &str = "mass-and-spring";
+const STEM: &str = "lessons/mass-and-spring";
 
 #[test]
 fn the_period_is_that_of_the_formula() {

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use crate::bench::{program, step_of, trace, values};
 use crate::common::{ran, voltage};
+use crate::problems::runs::{peak, program, run, step_of, values};
 
-const STEM: &str = "mathieu";
+const STEM: &str = "lessons/mathieu";
 
 /// Trace of what a period of the pump makes of deflection and velocity: below 2 in size it is stable (Floquet).
 fn trace_over_a_period(a: f64, q: f64) -> f64 {
@@ -66,12 +66,12 @@ fn between_them_it_is_stable_and_unstable_by_turns() {
 
 #[test]
 fn the_lesson_shows_one_of_each() {
-    let stable = trace(STEM, &[], 600.0);
-    let largest = values(&stable, "y").into_iter().fold(0.0f64, |largest, y| largest.max(y.abs()));
+    let stable = run(STEM, &[], 600.0);
+    let largest = peak(&values(&stable, "y"));
     assert!(largest < 0.51 && stable.overloads().count() == 0, "{largest}");
-    let unstable = trace(STEM, &[("a", 1.0)], 60.0);
+    let unstable = run(STEM, &[("a", 1.0)], 60.0);
     assert!(unstable.overloads().count() > 0);
     // On its head and shaken, it stands; not shaken, it falls.
-    assert_eq!(trace(STEM, &[("a", -0.1), ("q", 0.6), ("y0", 0.1)], 600.0).overloads().count(), 0);
-    assert!(trace(STEM, &[("a", -0.1), ("q", 0.0), ("y0", 0.1)], 60.0).overloads().count() > 0);
+    assert_eq!(run(STEM, &[("a", -0.1), ("q", 0.6), ("y0", 0.1)], 600.0).overloads().count(), 0);
+    assert!(run(STEM, &[("a", -0.1), ("q", 0.0), ("y0", 0.1)], 60.0).overloads().count() > 0);
 }

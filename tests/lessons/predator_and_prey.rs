@@ -4,10 +4,11 @@ use std::f64::consts::TAU;
 
 use patchcord::solve::Machine;
 
-use crate::bench::{next_rise, program, step_of, trace, values};
+use crate::bench::next_rise;
 use crate::common::{ran, voltage};
+use crate::problems::runs::{program, run, step_of, values};
 
-const STEM: &str = "predator-and-prey";
+const STEM: &str = "lessons/predator-and-prey";
 const ALPHA: f64 = 0.55;
 const BETA: f64 = 2.8e-5;
 const GAMMA: f64 = 0.8;
@@ -15,7 +16,7 @@ const DELTA: f64 = 2.4e-5;
 
 #[test]
 fn volterras_quantity_stays_the_same() {
-    let trace = trace(STEM, &[], 100.0);
+    let trace = run(STEM, &[], 100.0);
     let (hares, lynxes) = (values(&trace, "hares"), values(&trace, "lynxes"));
     let quantity = |x: f64, y: f64| DELTA * x - GAMMA * x.ln() + BETA * y - ALPHA * y.ln();
     let begin = quantity(34_000.0, 6_000.0);

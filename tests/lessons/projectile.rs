@@ -1,12 +1,10 @@
 //! A thrown ball: range and time of flight with and without drag.
 
-use patchcord::program::Program;
-use patchcord::solve::{self, RunSettings};
+use crate::bench::next_rise;
+use crate::common::{ran, voltage};
+use crate::problems::runs::{circuit, program, ran_circuit, settings, step_of, values};
 
-use crate::bench::{lesson, next_rise, program, step_of, values};
-use crate::common::{circuit, ran, voltage};
-
-const STEM: &str = "projectile";
+const STEM: &str = "lessons/projectile";
 const M: f64 = 0.145;
 const C: f64 = 8.8e-4;
 const G: f64 = 9.81;
@@ -69,8 +67,8 @@ fn straight_up_it_follows_the_closed_solution() {
 
 #[test]
 fn the_run_ends_each_throw_on_the_ground() {
-    let circuit = circuit(&lesson(STEM), &[]);
-    let trace = solve::run(&Program::new(&circuit).unwrap(), &RunSettings::of(&circuit).unwrap()).unwrap();
+    let circuit = circuit(STEM, &[]);
+    let trace = ran_circuit(&circuit, &settings(&circuit));
     let (x, y) = (values(&trace, "x"), values(&trace, "y"));
     let ends = [trace.sweeps[1].first - 1, trace.len() - 1];
     // With air as the independent solver says, without air v0^2 sin(2 angle) / g.

@@ -2,10 +2,12 @@
 
 use patchcord::solve::Machine;
 
-use crate::bench::{next_rise, program, step_of};
+use crate::bench::next_rise;
 use crate::common::{ran, voltage};
+use crate::problems::lessons::thermostat;
+use crate::problems::runs::{program, step_of};
 
-const STEM: &str = "relay-thermostat";
+const STEM: &str = "lessons/relay-thermostat";
 
 /// When the heater is first switched off, and how long it is off and on after that.
 fn cycle(changes: &[(&str, f64)]) -> [f64; 3] {
@@ -18,20 +20,12 @@ fn cycle(changes: &[(&str, f64)]) -> [f64; 3] {
     [off, on - off, off_again - on]
 }
 
-/// The same by the exponentials towards P / h and towards 0.
-fn closed(h: f64, power: f64, set: f64, width: f64) -> [f64; 3] {
-    let (time_constant, end) = (2090.0 / h, power / h);
-    let (low, high) = (set - width / 2.0, set + width / 2.0);
-    [(end / (end - high)).ln(), (high / low).ln(), ((end - low) / (end - high)).ln()]
-        .map(|log| time_constant * log)
-}
-
 #[test]
 fn it_switches_when_the_exponentials_say() {
     for (h, power, set, width) in [(2.0, 100.0, 17.0, 4.0), (1.0, 250.0, 10.0, 1.0), (4.0, 100.0, 20.0, 0.1)]
     {
         let found = cycle(&[("h", h), ("P", power), ("T_set", set), ("width", width)]);
-        let expected = closed(h, power, set, width);
+        let expected = thermostat(h, power, set - width / 2.0, set + width / 2.0);
         for (found, expected) in found.iter().zip(expected) {
             // Steps of 1/1000 of the time constant are good to 1e-14 of it; switching is located as well.
             assert!((found - expected).abs() < 1e-8, "{found} s, not {expected} s");

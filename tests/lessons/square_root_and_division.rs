@@ -2,13 +2,13 @@
 
 use std::f64::consts::PI;
 
-use patchcord::program::Program;
-use patchcord::solve::{self, RunSettings};
+use patchcord::solve;
 
-use crate::bench::{lesson, program, step_of};
-use crate::common::{circuit, ran, voltage};
+use crate::common::{program_of, ran, voltage};
+use crate::problems::lessons::torricelli;
+use crate::problems::runs::{circuit, program, settings, step_of};
 
-const STEM: &str = "square-root-and-division";
+const STEM: &str = "lessons/square-root-and-division";
 
 /// An amplification of 1e6 leaves roots and quotients wrong by a millionth at full voltage, and by more as the
 /// square that is fed back grows small: 1e-6 x out / (out^2 / 100 V).
@@ -27,7 +27,7 @@ fn the_height_is_a_parabola_and_the_jet_and_the_time_left_fall_evenly() {
             let machine = ran(&program, step_of(STEM), time);
             let height = voltage(&machine, "A1") * 0.0125;
             let (jet, left) = (voltage(&machine, "A2") * 0.06, voltage(&machine, "A3") * 1.5);
-            let expected = (h0.sqrt() - 0.5 * falls * time).powi(2);
+            let expected = torricelli(a, h0, time);
             let allowed = 2.0 * near(voltage(&machine, "A2"));
             assert!((height / expected - 1.0).abs() < allowed, "{height} m after {time} s, not {expected}");
             assert!((jet / (2.0 * 9.81 * expected).sqrt() - 1.0).abs() < allowed, "{jet} m/s after {time} s");
@@ -53,9 +53,8 @@ fn the_arm_of_the_float_stands_at_the_arcsine_of_the_height() {
 
 #[test]
 fn an_empty_tank_leaves_nothing_to_divide_by() {
-    let circuit = circuit(&lesson(STEM), &[]);
-    let settings = RunSettings::of(&circuit).unwrap().lasting(240.0);
-    let stopped = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap_err();
+    let circuit = circuit(STEM, &[]);
+    let stopped = solve::run(&program_of(&circuit), &settings(&circuit).lasting(240.0)).unwrap_err();
     // Empty after 225.77 s; the step before is the last.
     assert!(stopped.error.to_string().contains("at t = 225.5 s the loop M2, A3"), "{}", stopped.error);
     assert_eq!(stopped.trace.time.last(), Some(&225.0));

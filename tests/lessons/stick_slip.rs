@@ -4,10 +4,11 @@ use std::f64::consts::{PI, TAU};
 
 use patchcord::solve::Machine;
 
-use crate::bench::{next_rise, program, step_of, trace};
+use crate::bench::next_rise;
 use crate::common::{ran, voltage};
+use crate::problems::runs::{program, run, step_of};
 
-const STEM: &str = "stick-slip";
+const STEM: &str = "lessons/stick-slip";
 const K: f64 = 200.0;
 const FS: f64 = 10.0;
 const FK: f64 = 6.0;
@@ -52,7 +53,7 @@ fn stick_and_slip_last_as_long_as_the_closed_solution_says() {
 
 #[test]
 fn the_spring_is_stretched_as_far_as_the_closed_solution_says() {
-    let trace = trace(STEM, &[("v_relay", 1e-9)], 5.0);
+    let trace = run(STEM, &[("v_relay", 1e-9)], 5.0);
     let most = trace.track("x").unwrap().courses[0].most.volts * STRETCH;
     let swing = ((FS - FK) / K).hypot(0.05 / OMEGA);
     // The relay is late by sqrt(2 v_relay m / (k v)), in which the belt goes a micrometre.

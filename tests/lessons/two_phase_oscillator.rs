@@ -2,10 +2,11 @@
 
 use std::f64::consts::{FRAC_2_PI, TAU};
 
-use crate::bench::{next_rise, program, step_of};
+use crate::bench::next_rise;
 use crate::common::{ran, root, voltage};
+use crate::problems::runs::{program, step_of};
 
-const STEM: &str = "two-phase-oscillator";
+const STEM: &str = "lessons/two-phase-oscillator";
 
 /// Amplitude of the sine (where the cosine is 0) and period, after so many seconds.
 fn steady(changes: &[(&str, f64)], settled: f64) -> (f64, f64) {

@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use crate::bench::{next_rise, program, step_of};
+use crate::bench::next_rise;
 use crate::common::{ran, voltage};
+use crate::problems::runs::{program, step_of};
 
-const STEM: &str = "van-der-pol";
+const STEM: &str = "lessons/van-der-pol";
 const POSITION: f64 = 0.025;
 
 /// Period and amplitude of the limit cycle.

@@ -8,17 +8,13 @@ mod point;
 mod response;
 mod roots;
 
-use std::path::Path;
-
 use patchcord::linear::{Band, Response, Root, Transfer};
-use patchcord::patch::Patch;
 use patchcord::program::{Program, StateSpace};
 use patchcord::solve::Machine;
 
 /// A patch that comes with the program, with parameters changed.
 fn shipped(stem: &str, changes: &[(&str, f64)]) -> Program {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("patches/{stem}.json"));
-    common::program(&Patch::read(&path).unwrap_or_else(|error| panic!("{error}")), changes)
+    common::program(&common::shipped(stem), changes)
 }
 
 /// The linear model in initial condition.

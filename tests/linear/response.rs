@@ -51,7 +51,7 @@ fn a_driven_oscillator_follows_its_formula() {
 /// Amplitude ratio and lead of x on the push, as the machine swings.
 fn measured(frequency: f64, changes: &[(&str, f64)]) -> (f64, f64) {
     let changes: Vec<_> = [&[("f", frequency), ("F", 0.5)], changes].concat();
-    let patch = patchcord::patch::Patch::read("patches/lessons/driven-oscillator.json".as_ref()).unwrap();
+    let patch = crate::common::shipped("lessons/driven-oscillator");
     let circuit = circuit(&patch, &changes);
     let program = Program::new(&circuit).unwrap();
     let settings = RunSettings::of(&circuit).unwrap().lasting(20.0 + 10.0 / frequency);

@@ -180,7 +180,7 @@ fn the_table_is_the_same_on_any_number_of_threads() {
 /// A sample next to the end of a step is taken there by everyone or by no one, whoever flies beside whom.
 #[test]
 fn samples_next_to_the_ends_of_steps_are_the_same_in_any_company() {
-    let lesson = common::patch_of("patches/lessons/mass-and-spring.json".as_ref());
+    let lesson = common::shipped("lessons/mass-and-spring");
     let with = |backend| {
         sweep(&lesson, &["k=5:8:16"], &["frequency:x,last=12"], |own| {
             let settings = RunSettings { backend, step: 1e-3, ..own.lasting(12.0) };

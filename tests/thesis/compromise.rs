@@ -4,10 +4,12 @@ use std::fs;
 
 use patchcord::trace::Trace;
 
-use crate::bench::{self, Changes, changes};
+use crate::bench;
+use crate::common::pages::check_part;
+use crate::problems::runs;
 
 /// Stem of the patch, and what the page calls it.
-const CIRCUITS: [(&str, &str); 2] = [("fig-8-16", "dead zone"), ("fig-8-16-coulomb", "brake")];
+const CIRCUITS: [(&str, &str); 2] = [("thesis/fig-8-16", "dead zone"), ("thesis/fig-8-16-coulomb", "brake")];
 
 const PAGE: &str = "docs/compromise.md";
 const EVERY: f64 = 2e-4;
@@ -23,9 +25,9 @@ struct Record {
     level: Vec<f64>,
 }
 
-fn record(stem: &str, named: &Changes, duration: f64, from: f64) -> Record {
+fn record(stem: &str, named: &[(&str, f64)], duration: f64, from: f64) -> Record {
     let names = ["v_i", "v_o", "x_error", "spring_force", "friction_level"];
-    let trace: Trace = bench::run(stem, named, duration, EVERY, &names);
+    let trace: Trace = runs::record(stem, named, duration, EVERY, &names);
     assert!(bench::lit(&trace).is_empty(), "{:?}", trace.sweeps);
     let first = trace.time.iter().position(|time| *time >= from).unwrap();
     let [command, velocity, error, spring, level] =
@@ -35,7 +37,7 @@ fn record(stem: &str, named: &Changes, duration: f64, from: f64) -> Record {
 
 /// A command that stays the same: the last 2 of 3 s.
 fn steady(stem: &str, command: f64) -> Record {
-    record(stem, &changes(&[("v_start", command), ("v_rate", 0.0)]), 3.0, 1.0)
+    record(stem, &[("v_start", command), ("v_rate", 0.0)], 3.0, 1.0)
 }
 
 impl Record {
@@ -165,7 +167,7 @@ struct Profile {
 }
 
 fn profile(circuit: usize) -> Profile {
-    let record = record(CIRCUITS[circuit].0, &changes(&[("v_turn", TURN)]), 7.4, 0.0);
+    let record = record(CIRCUITS[circuit].0, &[("v_turn", TURN)], 7.4, 0.0);
     let coarse: Vec<f64> = record.velocity.iter().copied().step_by(COARSE).collect();
     Profile { swing: bench::swing(&coarse), record }
 }
@@ -228,28 +230,12 @@ fn profile_table(profiles: &[Profile; 2]) -> String {
     text
 }
 
-/// Holds the part of the page between two marks against what was measured; writes it where that is asked for.
-fn check_page(mark: &str, measured: &str) {
-    let page = fs::read_to_string(PAGE).unwrap();
-    let (open, close) = (format!("<!-- {mark} -->\n"), format!("<!-- end of {mark} -->"));
-    let (before, rest) = page.split_once(&open).unwrap_or_else(|| panic!("no {mark}"));
-    let (stored, after) = rest.split_once(&close).unwrap_or_else(|| panic!("no end of {mark}"));
-    if std::env::var_os("PATCHCORD_BLESS").is_some() {
-        fs::write(PAGE, format!("{before}{open}{measured}{close}{after}")).unwrap();
-    } else {
-        assert!(
-            stored == measured,
-            "{PAGE} is stale: PATCHCORD_BLESS=1 cargo test --test thesis rewrites the tables; read the text about them too\n{measured}"
-        );
-    }
-}
-
 #[test]
 fn the_page_tells_what_is_measured() {
     let profiles = [profile(0), profile(1)];
-    check_page("profile", &profile_table(&profiles));
+    check_part(PAGE, "profile", &profile_table(&profiles), "thesis");
     let records = COMMANDS.map(|command| CIRCUITS.map(|(stem, _)| steady(stem, command)));
-    check_page("steady", &steady_table(&records));
+    check_part(PAGE, "steady", &steady_table(&records), "thesis");
     check_text(&[steady_sentences(&records), vec![profile_sentence(&profiles)]].concat());
     for [dead_zone, brake] in &records {
         check_dead_zone(dead_zone);
@@ -332,12 +318,12 @@ fn check_brake(record: &Record) {
 #[test]
 fn until_the_spring_comes_into_the_dead_zone_both_are_the_same() {
     let [dead_zone, brake] =
-        CIRCUITS.map(|(stem, _)| record(stem, &changes(&[("v_start", 0.5e-3), ("v_rate", 0.0)]), 0.1, 0.0));
+        CIRCUITS.map(|(stem, _)| record(stem, &[("v_start", 0.5e-3), ("v_rate", 0.0)], 0.1, 0.0));
     let released = (0..dead_zone.rows()).find(|row| !dead_zone.is_held(*row)).unwrap();
     let caught = (released..dead_zone.rows()).find(|row| dead_zone.is_held(*row)).unwrap();
-    let off = bench::difference(&brake.velocity[..caught], &dead_zone.velocity[..caught]);
+    let off = runs::difference(&brake.velocity[..caught], &dead_zone.velocity[..caught]);
     assert!(off < 1e-8, "{off:e} of the peak");
-    let parted = bench::difference(&brake.velocity[..2 * caught], &dead_zone.velocity[..2 * caught]);
+    let parted = runs::difference(&brake.velocity[..2 * caught], &dead_zone.velocity[..2 * caught]);
     assert!(parted > 0.1, "{parted:e} of the peak");
     // What the page says of it.
     let peak = most(&dead_zone.velocity[..caught]);

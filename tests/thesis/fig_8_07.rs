@@ -3,34 +3,29 @@
 use patchcord::patch::{ElementBuilder, Patch, PatchBuilder};
 
 use crate::bench;
-use crate::slideway::{self, Law, Slideway};
+use crate::problems::runs::record;
+use crate::problems::slideway::{Law, Slideway};
+use crate::slideway;
 
 fn step() -> Slideway {
-    Slideway {
-        mass: 454.0,
-        stiffness: 17.86e6,
-        viscous: 17.86e3,
-        v_rate: 0.0,
-        x_step: 0.127e-3,
-        ..Slideway::thesis(Law::Constant)
-    }
+    Slideway::step_response(Law::Constant)
 }
 
 #[test]
 fn follows_the_equations() {
-    assert!(slideway::agrees_at("fig-8-07", &step()));
-    slideway::agrees_at_random_settings("fig-8-07", Law::Constant, slideway::agrees_at);
+    assert!(slideway::agrees_at("thesis/fig-8-07", &step()));
+    slideway::agrees_at_random_settings("thesis/fig-8-07", Law::Constant, slideway::agrees_at);
 }
 
 #[test]
 fn equals_the_equations_at_its_own_step() {
-    assert!(slideway::equals_at_own_step("fig-8-07", &step(), 2.0));
-    slideway::equals_at_random_settings("fig-8-07", Law::Constant);
+    assert!(slideway::equals_at_own_step("thesis/fig-8-07", &step(), 2.0));
+    slideway::equals_at_random_settings("thesis/fig-8-07", Law::Constant);
 }
 
 #[test]
 fn the_step_stops_off_the_input_by_less_than_fs_over_k() {
-    let trace = bench::run("fig-8-07", &step().changes(), 2.0, 1e-3, &["x_error", "v_o"]);
+    let trace = record("thesis/fig-8-07", &step().changes(), 2.0, 1e-3, &["x_error", "v_o"]);
     let last = |name: &str| *trace.values(name).unwrap().last().unwrap();
     assert!((last("x_error") + 0.0389e-3).abs() < 0.000_05e-3, "{}", last("x_error"));
     assert!(last("x_error").abs() < 771.0 / 17.86e6);

@@ -3,24 +3,26 @@
 use patchcord::instruments::{Criterion, critical_velocity};
 use patchcord::trace::Trace;
 
-use crate::bench::{self, changes};
-use crate::slideway::{self, Law, Slideway};
+use crate::bench;
+use crate::problems::runs::record;
+use crate::problems::slideway::{Law, Slideway};
+use crate::slideway;
 
 #[test]
 fn follows_the_equations() {
-    assert!(slideway::agrees_at("fig-8-16", &Slideway::thesis(Law::Remembered)));
-    slideway::agrees_at_random_settings("fig-8-16", Law::Remembered, slideway::agrees_at);
+    assert!(slideway::agrees_at("thesis/fig-8-16", &Slideway::thesis(Law::Remembered)));
+    slideway::agrees_at_random_settings("thesis/fig-8-16", Law::Remembered, slideway::agrees_at);
 }
 
 #[test]
 fn equals_the_equations_at_its_own_step() {
-    assert!(slideway::equals_at_own_step("fig-8-16", &Slideway::thesis(Law::Remembered), 2.0));
-    slideway::equals_at_random_settings("fig-8-16", Law::Remembered);
+    assert!(slideway::equals_at_own_step("thesis/fig-8-16", &Slideway::thesis(Law::Remembered), 2.0));
+    slideway::equals_at_random_settings("thesis/fig-8-16", Law::Remembered);
 }
 
 #[test]
 fn voltages_at_rest_are_those_of_the_setting_up() {
-    let volts = bench::volts_at_rest("fig-8-16", &["A1", "B1", "PC1", "M1", "X2", "A2"]);
+    let volts = bench::volts_at_rest("thesis/fig-8-16", &["A1", "B1", "PC1", "M1", "X2", "A2"]);
     let expected = [100.0, -100.0, 70.7, 50.0, -50.0, 0.0];
     for (found, printed) in volts.iter().zip(expected) {
         assert!((found - printed).abs() < 0.05, "{volts:?}");
@@ -48,7 +50,7 @@ const PEAKS: &[(&str, f64, f64)] = &[
 #[test]
 fn the_default_run_reaches_the_known_peaks_and_overloads_nothing() {
     let names: Vec<&str> = PEAKS.iter().map(|(name, ..)| *name).collect();
-    let trace = bench::run("fig-8-16", &vec![], 8.4667, 2e-5, &names);
+    let trace = record("thesis/fig-8-16", &[], 8.4667, 2e-5, &names);
     assert!(bench::lit(&trace).is_empty(), "{:?}", trace.sweeps);
     for (name, expected, within) in PEAKS {
         let volts = trace.values(name).unwrap();
@@ -60,8 +62,8 @@ fn the_default_run_reaches_the_known_peaks_and_overloads_nothing() {
 #[test]
 fn a_step_of_0_127_mm_overloads_a_stiff_drive_only() {
     let step = |stiffness: f64| {
-        let named = changes(&[("K", stiffness), ("v_rate", 0.0), ("x_step", 0.127e-3)]);
-        bench::run("fig-8-16", &named, 0.2, 1e-3, &["v_o"])
+        let named = [("K", stiffness), ("v_rate", 0.0), ("x_step", 0.127e-3)];
+        record("thesis/fig-8-16", &named, 0.2, 1e-3, &["v_o"])
     };
     assert!(bench::lit(&step(17.86e6)).is_empty());
     let stiff = step(45e6);
@@ -79,8 +81,8 @@ const EVERY: f64 = 1e-3;
 const THRESHOLD: f64 = 0.25e-3;
 
 fn profile() -> Trace {
-    let named = changes(&[("v_turn", TURN)]);
-    bench::run("fig-8-16", &named, 2.0 * TURN, EVERY, &["v_i", "v_o"])
+    let named = [("v_turn", TURN)];
+    record("thesis/fig-8-16", &named, 2.0 * TURN, EVERY, &["v_i", "v_o"])
 }
 
 #[test]

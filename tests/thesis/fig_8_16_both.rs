@@ -1,14 +1,9 @@
 //! Fig 8.16 twice in one patch: with its dead zone (elements D) and with a brake (elements B).
 
-use std::fs;
-
 use serde_json::{Map, Value};
 
-use crate::bench;
-
-fn document(stem: &str) -> Value {
-    serde_json::from_str(&fs::read_to_string(format!("patches/thesis/{stem}.json")).unwrap()).unwrap()
-}
+use crate::bench::document;
+use crate::problems::runs::{difference, record};
 
 /// The elements of a patch as they stand in the larger one: renamed, without notes and parts of the machine.
 fn renamed(stem: &str, prefix: &str) -> Map<String, Value> {
@@ -39,26 +34,26 @@ fn with_prefix(value: &Value, elements: &Map<String, Value>, prefix: &str) -> Va
 
 #[test]
 fn it_holds_both_circuits_as_they_are() {
-    let both = document("fig-8-16-both");
-    let mut expected = renamed("fig-8-16", "D.");
-    expected.extend(renamed("fig-8-16-coulomb", "B."));
+    let both = document("thesis/fig-8-16-both");
+    let mut expected = renamed("thesis/fig-8-16", "D.");
+    expected.extend(renamed("thesis/fig-8-16-coulomb", "B."));
     // What serves to read the acceleration, which is not read here.
     for name in ["X2", "PX", "KV", "A7", "KM"] {
         expected.remove(&format!("B.{name}")).unwrap();
     }
     assert_eq!(both["elements"], Value::Object(expected));
     for section in ["scales", "drives"] {
-        assert_eq!(both[section], document("fig-8-16")[section]);
+        assert_eq!(both[section], document("thesis/fig-8-16")[section]);
     }
 }
 
 #[test]
 fn each_moves_as_it_does_alone() {
-    let named = bench::changes(&[("v_start", 0.5e-3), ("v_rate", 0.0)]);
-    let both = bench::run("fig-8-16-both", &named, 0.3, 1e-3, &["dead-zone.v_o", "brake.v_o"]);
-    for (signal, stem) in [("dead-zone.v_o", "fig-8-16"), ("brake.v_o", "fig-8-16-coulomb")] {
-        let alone = bench::run(stem, &named, 0.3, 1e-3, &["v_o"]).values("v_o").unwrap();
-        let off = bench::difference(&both.values(signal).unwrap(), &alone);
+    let named = [("v_start", 0.5e-3), ("v_rate", 0.0)];
+    let both = record("thesis/fig-8-16-both", &named, 0.3, 1e-3, &["dead-zone.v_o", "brake.v_o"]);
+    for (signal, stem) in [("dead-zone.v_o", "thesis/fig-8-16"), ("brake.v_o", "thesis/fig-8-16-coulomb")] {
+        let alone = record(stem, &named, 0.3, 1e-3, &["v_o"]).values("v_o").unwrap();
+        let off = difference(&both.values(signal).unwrap(), &alone);
         // The switchings and kinks of one shift the steps of the other.
         assert!(off < 1e-8, "{signal} is {off:e} off");
     }

@@ -5,11 +5,13 @@ use std::fs;
 use patchcord::trace::Trace;
 use serde_json::Value;
 
-use crate::bench::{self, Changes, changes};
+use crate::bench::{self, document};
 use crate::dice::Dice;
-use crate::slideway::{Law, Slideway};
+use crate::problems::runs::{difference, peak, record};
+use crate::problems::slideway::{Law, Slideway};
+use crate::slideway;
 
-const STEM: &str = "fig-8-16-coulomb";
+const STEM: &str = "thesis/fig-8-16-coulomb";
 
 /// Share of the peak by which the patch's own step may differ: nothing but the order of the step is left, as standstill,
 /// release and the kink at VcL are met exactly. That is 6e-11 at the worst where the velocity does not pass VcL, and
@@ -43,19 +45,36 @@ fn column(rows: &[Vec<f64>], column: usize) -> Vec<f64> {
     rows.iter().map(|row| row[column]).collect()
 }
 
-fn ran(named: &Changes, duration: f64, every: f64) -> Trace {
+fn ran(named: &[(&str, f64)], duration: f64, every: f64) -> Trace {
     let names = ["v_i", "x_error", "v_o", "a_o", "spring_force", "friction_level", "memory"];
-    let trace = bench::run(STEM, named, duration, every, &names);
+    let trace = record(STEM, named, duration, every, &names);
     assert!(bench::lit(&trace).is_empty(), "{named:?}: {:?}", trace.sweeps);
     trace
+}
+
+fn braked() -> Slideway {
+    Slideway { brake: true, ..Slideway::thesis(Law::Remembered) }
+}
+
+#[test]
+fn follows_the_equations() {
+    assert!(slideway::agrees_at(STEM, &braked()));
+    slideway::agrees_at_random_settings(STEM, Law::Remembered, |stem, setting| {
+        slideway::agrees_at(stem, &Slideway { brake: true, ..setting.clone() })
+    });
+}
+
+#[test]
+fn equals_the_equations_at_its_own_step() {
+    assert!(slideway::equals_at_own_step(STEM, &braked(), 2.0));
 }
 
 #[test]
 fn agrees_with_events_located_by_scipy() {
     for (case, (named, within)) in CASES.iter().enumerate() {
-        let (trace, rows) = (ran(&changes(named), 0.3, 1e-3), reference(case));
+        let (trace, rows) = (ran(named, 0.3, 1e-3), reference(case));
         for (index, signal) in ["v_o", "spring_force", "memory"].iter().enumerate() {
-            let off = bench::difference(&trace.values(signal).unwrap(), &column(&rows, index + 1));
+            let off = difference(&trace.values(signal).unwrap(), &column(&rows, index + 1));
             println!("case {case}, {signal}: {off:.1e} of the peak");
             assert!(off < *within, "case {case}, {signal}: {off:e} of the peak");
         }
@@ -65,7 +84,7 @@ fn agrees_with_events_located_by_scipy() {
 #[test]
 fn what_stands_still_does_not_move_at_all() {
     for (case, (named, _)) in CASES.iter().enumerate() {
-        let (trace, rows) = (ran(&changes(named), 0.3, 1e-3), reference(case));
+        let (trace, rows) = (ran(named, 0.3, 1e-3), reference(case));
         let standing = column(&rows, 4);
         assert!(standing.iter().filter(|stands| **stands == 1.0).count() > 5, "case {case}");
         for signal in ["v_o", "a_o"] {
@@ -85,12 +104,12 @@ fn on_the_ramp(quantity: &str) -> f64 {
 
 #[test]
 fn ends_its_oscillation_where_scipy_does() {
-    let trace = ran(&vec![], 8.466, 1e-3);
+    let trace = ran(&[], 8.466, 1e-3);
     let (velocity, command) = (trace.values("v_o").unwrap(), trace.values("v_i").unwrap());
     let standing = velocity.iter().filter(|velocity| **velocity == 0.0).count();
     assert_eq!(standing as f64, on_the_ramp("samples standing still"));
     let least = velocity.iter().copied().fold(0.0, f64::min);
-    assert!((least - on_the_ramp("least velocity")).abs() < OVER_KINKS * bench::peak(&velocity), "{least}");
+    assert!((least - on_the_ramp("least velocity")).abs() < OVER_KINKS * peak(&velocity), "{least}");
     for (threshold, named) in [(0.1e-3, "0.1"), (0.25e-3, "0.25"), (0.5e-3, "0.5")] {
         let swing = bench::swing(&velocity);
         let last = swing.iter().rposition(|swing| *swing > threshold).unwrap();
@@ -106,13 +125,8 @@ fn stands_still_until_the_spring_overcomes_friction() {
     let mut stood = 0;
     for _ in 0..20 {
         let setting = Slideway::random(Law::Remembered, &mut dice);
-        let trace = bench::run(
-            STEM,
-            &setting.changes(),
-            0.2,
-            1e-3,
-            &["v_o", "a_o", "spring_force", "friction_level"],
-        );
+        let trace =
+            record(STEM, &setting.changes(), 0.2, 1e-3, &["v_o", "a_o", "spring_force", "friction_level"]);
         if !bench::lit(&trace).is_empty() {
             continue;
         }
@@ -137,7 +151,7 @@ fn integral(every: f64, integrand: impl Fn(usize) -> f64, rows: usize) -> f64 {
 #[test]
 fn energy_goes_in_through_the_drive_and_out_through_friction() {
     let every = 2e-5;
-    let trace = ran(&changes(&[("v_start", 1e-3), ("v_rate", 0.0)]), 0.5, every);
+    let trace = ran(&[("v_start", 1e-3), ("v_rate", 0.0)], 0.5, every);
     let [command, error, velocity, spring, level] =
         ["v_i", "x_error", "v_o", "spring_force", "friction_level"].map(|name| trace.values(name).unwrap());
     let (rows, slideway) = (trace.len(), Slideway::thesis(Law::Remembered));
@@ -158,7 +172,7 @@ fn energy_goes_in_through_the_drive_and_out_through_friction() {
 
 #[test]
 fn acceleration_is_what_the_forces_say() {
-    let trace = ran(&changes(&[("v_start", 0.5e-3)]), 0.5, 1e-3);
+    let trace = ran(&[("v_start", 0.5e-3)], 0.5, 1e-3);
     let [velocity, acceleration, spring, level] =
         ["v_o", "a_o", "spring_force", "friction_level"].map(|name| trace.values(name).unwrap());
     let slideway = Slideway::thesis(Law::Remembered);
@@ -169,13 +183,9 @@ fn acceleration_is_what_the_forces_say() {
     }
 }
 
-fn document(stem: &str) -> Value {
-    serde_json::from_str(&fs::read_to_string(format!("patches/thesis/{stem}.json")).unwrap()).unwrap()
-}
-
 #[test]
 fn everything_but_friction_is_fig_8_16() {
-    let (thesis, ours) = (document("fig-8-16"), document(STEM));
+    let (thesis, ours) = (document("thesis/fig-8-16"), document(STEM));
     for section in ["parameters", "scales", "drives", "run", "record"] {
         assert_eq!(thesis[section], ours[section], "{section}");
     }

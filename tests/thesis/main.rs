@@ -1,5 +1,10 @@
 //! The thesis's circuits against physics written down independently, and against what its text says of them.
 
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../problems/mod.rs"]
+mod problems;
+
 mod bench;
 mod compromise;
 mod dice;

@@ -1,0 +1,19 @@
+//! Parts of the documents that tests write.
+
+use std::fs;
+
+/// Holds the part of a page between two marks against what it should be, or writes it anew where that is asked for.
+pub fn check_part(page: &str, mark: &str, fresh: &str, test: &str) {
+    let text = fs::read_to_string(page).unwrap();
+    let (open, close) = (format!("<!-- {mark} -->\n"), format!("<!-- end of {mark} -->"));
+    let (before, rest) = text.split_once(&open).unwrap_or_else(|| panic!("{page} has no {mark}"));
+    let (stored, after) = rest.split_once(&close).unwrap_or_else(|| panic!("{page} has no end of {mark}"));
+    if std::env::var_os("PATCHCORD_BLESS").is_some() {
+        fs::write(page, format!("{before}{open}{fresh}{close}{after}")).unwrap();
+    } else {
+        assert!(
+            stored == fresh,
+            "{page} is stale: PATCHCORD_BLESS=1 cargo test --test {test} rewrites {mark}; read the text about it too\n{fresh}"
+        );
+    }
+}
