@@ -19,8 +19,12 @@ pub struct Chapter {
 
 /// The files: title, name, text.
 const FILES: &[(&str, &str, &str)] = &[
+    ("Chapter 2: the work of others", "chapter_2.csv", include_str!("claims/chapter_2.csv")),
+    ("Chapter 4: slideways and drives", "chapter_4.csv", include_str!("claims/chapter_4.csv")),
     ("Chapter 7: surfaces and friction", "chapter_7.csv", include_str!("claims/chapter_7.csv")),
+    ("Chapter 8: simulation", "chapter_8.csv", include_str!("claims/chapter_8.csv")),
     ("Chapter 9: analysis", "chapter_9.csv", include_str!("claims/chapter_9.csv")),
+    ("Chapter 10: conclusions", "chapter_10.csv", include_str!("claims/chapter_10.csv")),
 ];
 
 /// What stands in the first line of every file.

@@ -1,9 +1,8 @@
 //! What was measured: Table T9-2, the only measurements of oscillating slideways that the scan kept.
 
-use super::SlidewayError;
-use super::design::simulated_slope;
 use super::falling::FallingFriction;
 use super::units::{MM_PER_S, POISE};
+use super::{SlidewayError, simulated};
 
 /// A cell of Table T9-2: the time constant that eq 15-9 made of a measured critical velocity, on a table of 450 kgf.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +52,7 @@ impl Measurement {
     /// # Errors
     /// None of the table's cells gives one.
     pub fn critical_velocity(&self) -> Result<f64, SlidewayError> {
-        self.friction().velocity_at_slope(simulated_slope(self.memory, self.stiffness)?)
+        self.friction().velocity_at_slope(simulated::slope(self.memory, self.stiffness)?)
     }
 }
 

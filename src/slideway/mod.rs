@@ -23,6 +23,7 @@ pub mod oil;
 pub mod power_law;
 pub mod ridge;
 pub mod scaling;
+pub mod simulated;
 pub mod stability;
 pub mod tilt;
 pub mod units;

@@ -4,23 +4,22 @@ use super::super::finding::Finding;
 use super::super::given::Given;
 use super::stability::part_of;
 use super::{Check, CheckError};
-use crate::slideway::SlidewayError;
 use crate::slideway::design::{
     CONTACT_SHARE, Design, DesignEquation, Interface, LIFT_EXPONENT, LIMIT_COEFFICIENT, LIMIT_EXPONENT,
-    OilLaw, Trends, limit_velocity, memory_from_critical_velocity, simulated_slope,
+    Trends, limit_velocity,
 };
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::measured::{Measurement, STATIC_FRICTION, TABLE_9_2};
 use crate::slideway::power_law::PowerLaw;
+use crate::slideway::simulated::{OilLaw, memory_from_critical_velocity};
 use crate::slideway::units::{KGF, KGF_PER_CM2, KGF_PER_MM2, MM_PER_S, MS, N_PER_MM, N_S_PER_MM, POISE, UM};
+use crate::slideway::{SlidewayError, simulated};
 
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "joint-factor", run: joint_factor },
     Check { name: "power-through", run: power_through },
     Check { name: "inverse-law", run: inverse_law },
-    Check { name: "simulated-slope", run: simulated },
     Check { name: "mean-reciprocal", run: mean_reciprocal },
-    Check { name: "limit-velocity", run: limit },
     Check { name: "limit-base", run: limit_base },
     Check { name: "static-friction", run: static_friction },
     Check { name: "static-friction-factor", run: static_friction_factor },
@@ -59,22 +58,11 @@ fn inverse_law(given: &Given) -> Result<Finding, CheckError> {
     part_of(given, &PowerLaw::new(given.number("of")?, given.number("power")?).inverse())
 }
 
-/// Cn of eq 6-9 in N s/mm.
-fn simulated(given: &Given) -> Result<Finding, CheckError> {
-    Ok(Finding::Number(simulated_slope(given.number("Tc")?, given.number("K")?)? / N_S_PER_MM))
-}
-
 /// The mean of the reciprocals of numbers.
 fn mean_reciprocal(given: &Given) -> Result<Finding, CheckError> {
     let numbers = given.numbers("of")?;
     let sum: f64 = numbers.iter().map(|number| 1.0 / number).sum();
     Ok(Finding::Number(sum / numbers.len() as f64))
-}
-
-/// VcL of eq 11-9 in mm/s, for kgf/cm2, um and P.
-fn limit(given: &Given) -> Result<Finding, CheckError> {
-    let (pressure, lift) = (given.number("Pw")? * KGF_PER_CM2, given.number("H")? * UM);
-    Ok(Finding::Number(limit_velocity(pressure, lift, given.number("eta")? * POISE)? / MM_PER_S))
 }
 
 /// What stands over eta^0.181 in eq 14-9, or with `eta` in P all of VcL by it in mm/s.
@@ -183,7 +171,7 @@ fn cell(given: &Given) -> Result<Measurement, CheckError> {
 /// Cn in N s/mm behind a cell of Table T9-2, by eq 6-9.
 fn table_slope(given: &Given) -> Result<Finding, CheckError> {
     let cell = cell(given)?;
-    Ok(Finding::Number(simulated_slope(cell.memory, cell.stiffness)? / N_S_PER_MM))
+    Ok(Finding::Number(simulated::slope(cell.memory, cell.stiffness)? / N_S_PER_MM))
 }
 
 /// The measured critical velocity in mm/s behind a cell of Table T9-2, by eq 7-9.
@@ -310,7 +298,7 @@ fn simulated_trend(given: &Given) -> Result<Finding, CheckError> {
     let velocity = |factor: f64| -> Result<f64, CheckError> {
         let [static_friction, memory, stiffness] = change(factor);
         let friction = FallingFriction { static_friction: STATIC_FRICTION * static_friction, limit: 0.04 };
-        let slope = simulated_slope(memory * given.number("Tc")?, stiffness * given.number("K")?)?;
+        let slope = simulated::slope(memory * given.number("Tc")?, stiffness * given.number("K")?)?;
         Ok(friction.velocity_at_slope(slope)? / MM_PER_S)
     };
     let velocities = [velocity(1.0)?, velocity(1.1)?, velocity(1.2)?];

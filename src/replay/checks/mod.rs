@@ -4,7 +4,10 @@ mod arithmetic;
 mod chapter_7;
 mod describing;
 mod design;
+mod drive;
 mod falling;
+mod history;
+mod scaling;
 mod stability;
 
 use super::finding::Finding;
@@ -23,7 +26,10 @@ const TABLES: &[&[Check]] = &[
     chapter_7::CHECKS,
     describing::CHECKS,
     design::CHECKS,
+    drive::CHECKS,
     falling::CHECKS,
+    history::CHECKS,
+    scaling::CHECKS,
     stability::CHECKS,
 ];
 

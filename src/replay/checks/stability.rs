@@ -6,9 +6,9 @@ use super::super::finding::Finding;
 use super::super::given::Given;
 use super::{Check, CheckError};
 use crate::slideway::SlidewayError;
-use crate::slideway::design::SLOPE_BY_MEMORY;
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::power_law::PowerLaw;
+use crate::slideway::simulated::SLOPE_BY_MEMORY;
 use crate::slideway::stability::{DrivenTable, Groups};
 use crate::slideway::units::{MM_PER_S, N_S_PER_MM};
 
