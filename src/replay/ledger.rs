@@ -20,7 +20,10 @@ pub struct Chapter {
 /// The files: title, name, text.
 const FILES: &[(&str, &str, &str)] = &[
     ("Chapter 2: the work of others", "chapter_2.csv", include_str!("claims/chapter_2.csv")),
+    ("Chapter 3: the system", "chapter_3.csv", include_str!("claims/chapter_3.csv")),
     ("Chapter 4: slideways and drives", "chapter_4.csv", include_str!("claims/chapter_4.csv")),
+    ("Chapter 5: wear", "chapter_5.csv", include_str!("claims/chapter_5.csv")),
+    ("Chapter 6: lubricants", "chapter_6.csv", include_str!("claims/chapter_6.csv")),
     ("Chapter 7: surfaces and friction", "chapter_7.csv", include_str!("claims/chapter_7.csv")),
     ("Chapter 8: simulation", "chapter_8.csv", include_str!("claims/chapter_8.csv")),
     ("Chapter 9: analysis", "chapter_9.csv", include_str!("claims/chapter_9.csv")),

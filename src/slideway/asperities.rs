@@ -88,12 +88,6 @@ impl AsperityRange {
         Ok(self.sum(first, overlap))
     }
 
-    /// Levels that touch when the ranges overlap by so much, the one in the middle left out: n of eq 33-7.
-    pub fn outer_levels(&self, overlap: f64) -> u32 {
-        // A level that just touches counts with the next one; rounding must not count it sooner.
-        (overlap / self.step - 1.0 + 1e-9).max(0.0) as u32
-    }
-
     fn sum(&self, first: u32, overlap: f64) -> Pressed {
         let mut total = Pressed { overlap, area: 0.0, load: 0.0, contacts: 0.0 };
         for level in first.. {
@@ -176,7 +170,6 @@ mod tests {
     fn contacts_come_level_by_level() {
         for (level, contacts) in [(1, 1.0), (2, 5.0), (3, 13.0), (4, 25.0), (7, 85.0), (8, 113.0)] {
             assert_eq!(range().at_level(level).unwrap().contacts, contacts);
-            assert_eq!(range().outer_levels(f64::from(level) * range().step), level - 1);
         }
     }
 

@@ -1,14 +1,17 @@
 //! The checks that decide claims, by name. Those of a subject stand in a file, one row each in its table.
 
 mod arithmetic;
-mod chapter_7;
 mod describing;
 mod design;
 mod drive;
 mod falling;
+mod formula;
 mod history;
 mod scaling;
+mod sliding;
 mod stability;
+mod surfaces;
+mod wear;
 
 use super::finding::Finding;
 use super::given::{Given, GivenError};
@@ -23,14 +26,17 @@ struct Check {
 /// The tables of all subjects.
 const TABLES: &[&[Check]] = &[
     arithmetic::CHECKS,
-    chapter_7::CHECKS,
     describing::CHECKS,
     design::CHECKS,
     drive::CHECKS,
     falling::CHECKS,
+    formula::CHECKS,
     history::CHECKS,
     scaling::CHECKS,
+    sliding::CHECKS,
     stability::CHECKS,
+    surfaces::CHECKS,
+    wear::CHECKS,
 ];
 
 /// Why a check finds nothing.
@@ -42,6 +48,14 @@ pub enum CheckError {
     /// Arguments that are wrong.
     #[error(transparent)]
     Given(#[from] GivenError),
+    /// A formula of a row that cannot be worked out.
+    #[error("{text}: {error}")]
+    Formula {
+        /// The formula.
+        text: String,
+        /// What is wrong with it.
+        error: String,
+    },
     /// A law that does not hold for what it is given.
     #[error(transparent)]
     Slideway(#[from] SlidewayError),

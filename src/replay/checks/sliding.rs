@@ -1,0 +1,270 @@
+//! The joint as it slides, dry and lubricated (7.3).
+
+use super::super::finding::Finding;
+use super::super::given::{Given, GivenError};
+use super::stability::part_of;
+use super::surfaces::{film, joint, pressure};
+use super::{Check, CheckError};
+use crate::slideway::SlidewayError;
+use crate::slideway::boundary_film::BoundaryFilm;
+use crate::slideway::dry_friction::{DryFriction, DrySliding, printed_penetration};
+use crate::slideway::lubricated::{LubricatedJoint, LubricatedSliding};
+use crate::slideway::oil::{Correction, Oil, thickening, thinning};
+use crate::slideway::power_law::PowerLaw;
+use crate::slideway::units::{
+    CM, CM_PER_S, CM2, KGF, KGF_PER_CM2, KGF_PER_MM2, MM_PER_S, N_S_PER_MM, POISE, UM, UM2,
+};
+use crate::slideway::wedge::{RangeProfile, Wedge};
+
+pub(super) const CHECKS: &[Check] = &[
+    Check { name: "dry-sliding", run: dry_sliding },
+    Check { name: "dry-frequency-of-most", run: dry_frequency_of_most },
+    Check { name: "dry-friction-exponent", run: dry_friction_exponent },
+    Check { name: "penetration-of-area", run: penetration_of_area },
+    Check { name: "stiffening-at", run: stiffening_at },
+    Check { name: "range-profile", run: range_profile },
+    Check { name: "wedge-fit", run: wedge_fit },
+    Check { name: "wedge-speed-fit", run: wedge_speed_fit },
+    Check { name: "film-pressure", run: film_pressure },
+    Check { name: "parting-velocity", run: parting_velocity },
+    Check { name: "lubricated-sliding", run: lubricated_sliding },
+    Check { name: "fall-exponent", run: fall_exponent },
+    Check { name: "printed-total-excess", run: printed_total_excess },
+    Check { name: "oil-drag-offset", run: oil_drag_offset },
+    Check { name: "oil-damping", run: oil_damping },
+    Check { name: "polar-lowers", run: polar_lowers },
+    Check { name: "viscosity", run: viscosity },
+];
+
+/// Points that a curve is fitted by.
+const POINTS: u32 = 40;
+
+fn dry(given: &Given) -> Result<DryFriction, CheckError> {
+    let study = DryFriction::of_study(joint(given)?, pressure(given)?);
+    Ok(DryFriction { stiffening: given.number_or("alpha", study.stiffening)?, ..study })
+}
+
+/// The dry joint at V mm/s or at w rad/s, in the units of the study; its time constant in s and limit velocity in mm/s.
+fn dry_sliding(given: &Given) -> Result<Finding, CheckError> {
+    let dry = dry(given)?;
+    match given.need("of")? {
+        "time-constant" => return Ok(Finding::Number(dry.time_constant()?)),
+        "limit-velocity" => return Ok(Finding::Number(dry.limit_velocity()? / MM_PER_S)),
+        _ => {}
+    }
+    let reading = given.word::<fn(&DrySliding) -> f64>(
+        "of",
+        &[
+            ("velocity", |at| at.velocity / MM_PER_S),
+            ("stiffening", |at| at.stiffening),
+            ("friction", |at| at.friction),
+            ("penetration", |at| at.penetration / UM),
+            ("stiffness", |at| at.stiffness * CM2 * CM / KGF),
+            ("damping", |at| damping(at)),
+            ("viscosity", |at| damping(at) / (1.32 * (at.penetration / UM).powf(2.7))),
+            ("time", |at| damping(at) / (at.stiffness * CM2 * CM / KGF)),
+        ],
+    )?;
+    let at = match given.text("w") {
+        Some(_) => dry.at_frequency(given.number("w")?)?,
+        None => dry.at_velocity(given.number("V")? * MM_PER_S)?,
+    };
+    Ok(Finding::Number(reading(&at)))
+}
+
+/// CE in kgf s/cm of a square centimetre; none at rest.
+fn damping(at: &DrySliding) -> f64 {
+    at.damping.unwrap_or(0.0) * CM2 * CM / KGF
+}
+
+/// The frequency in rad/s at which CE, or the imaginary part of alpha, is largest, to a thousandth.
+fn dry_frequency_of_most(given: &Given) -> Result<Finding, CheckError> {
+    let dry = dry(given)?;
+    let is_damping = given.word("of", &[("damping", true), ("imaginary", false)])?;
+    let height = |frequency: f64| match is_damping {
+        true => dry.at_frequency(frequency).map(|at| damping(&at)),
+        false => dry.response(frequency).map(|(_, imaginary)| imaginary),
+    };
+    let frequencies = (0..7000).map(|step| (f64::from(step) / 1000.0).exp());
+    let mut most = (0.0, 0.0);
+    for frequency in frequencies {
+        let height = height(frequency)?;
+        most = if height > most.1 { (frequency, height) } else { most };
+    }
+    Ok(Finding::Number(most.0))
+}
+
+/// The power n of mu_k = mu_s alpha^-n over alpha 1 ... its most, through mu_s at rest.
+fn dry_friction_exponent(given: &Given) -> Result<Finding, CheckError> {
+    let dry = dry(given)?;
+    let at_rest = dry.at_frequency(0.0)?.friction;
+    let (mut joint, mut square) = (0.0, 0.0);
+    for step in 1..=POINTS {
+        // Even on the axis of alpha: by the frequency that gives it.
+        let alpha = 1.0 + (dry.stiffening - 1.0) * f64::from(step) / f64::from(POINTS + 1);
+        let turn = ((alpha.powi(2) - 1.0) / (dry.stiffening.powi(2) - alpha.powi(2))).sqrt();
+        let at = dry.at_frequency(turn / dry.time_constant()?)?;
+        joint += at.stiffening.ln() * (at.friction / at_rest).ln();
+        square += at.stiffening.ln().powi(2);
+    }
+    Ok(Finding::Number(-joint / square))
+}
+
+/// hd in um of a leading area of A um2, by eq 96-7.
+fn penetration_of_area(given: &Given) -> Result<Finding, CheckError> {
+    Ok(Finding::Number(printed_penetration(given.number("A")? * UM2)? / UM))
+}
+
+/// Alpha at which the leading area bears its load with Px kgf/mm2, by the printed area law itself.
+fn stiffening_at(given: &Given) -> Result<Finding, CheckError> {
+    let borne = given.number("Px")? * KGF_PER_MM2;
+    Ok(Finding::Number(DryFriction::stiffening_at(&joint(given)?, pressure(given)?, borne)?))
+}
+
+/// The study's range profile, in um and um2, and the wedge over a gap of H um.
+fn range_profile(given: &Given) -> Result<Finding, CheckError> {
+    type Reading = fn(&RangeProfile, &Given) -> Result<f64, CheckError>;
+    fn wedge(profile: &RangeProfile, given: &Given) -> Result<Wedge, CheckError> {
+        Ok(profile.wedge(given.number("H")? * UM)?)
+    }
+    let known: [(&str, Reading); 7] = [
+        ("ridges", |profile, _| Ok(profile.ridges()?)),
+        ("depth", |profile, _| Ok(profile.depth()? / UM)),
+        ("free-area", |profile, _| Ok(profile.free_area()? / UM2)),
+        ("touching-gap", |profile, _| Ok(profile.touching_gap()? / UM)),
+        ("slope", |profile, given| Ok(wedge(profile, given)?.slope)),
+        ("pressure-factor", |profile, given| Ok(wedge(profile, given)?.pressure_factor())),
+        ("drag-factor", |profile, given| Ok(wedge(profile, given)?.drag_factor())),
+    ];
+    given.word("of", &known)?(&RangeProfile::OF_STUDY, given).map(Finding::Number)
+}
+
+/// Factor or exponent of Kp or Kf by the gap in um, fitted evenly from ... to.
+fn wedge_fit(given: &Given) -> Result<Finding, CheckError> {
+    let factor = given.word::<fn(&Wedge) -> f64>(
+        "of",
+        &[("pressure-factor", Wedge::pressure_factor), ("drag-factor", Wedge::drag_factor)],
+    )?;
+    fit_evenly(given, |gap| Ok(factor(&RangeProfile::OF_STUDY.wedge(gap * UM)?)))
+}
+
+/// Factor or exponent of V / Cv by V in cm/s, fitted from ... to.
+fn wedge_speed_fit(given: &Given) -> Result<Finding, CheckError> {
+    let correction = given.word("oil", &[("1", Correction::ONE), ("2", Correction::TWO)])?;
+    fit_evenly(given, |velocity| Ok(correction.wedge_speed(velocity)))
+}
+
+/// Factor or exponent of a power law through a function at even steps from ... to.
+fn fit_evenly(given: &Given, y: impl Fn(f64) -> Result<f64, SlidewayError>) -> Result<Finding, CheckError> {
+    let (from, to) = (given.number("from")?, given.number("to")?);
+    let point = |step: u32| {
+        let x = from + (to - from) * f64::from(step) / f64::from(POINTS);
+        y(x).map(|y| (x, y))
+    };
+    part_of(given, &PowerLaw::fit(&(0..=POINTS).map(point).collect::<Result<Vec<_>, _>>()?)?)
+}
+
+pub(super) fn oil(given: &Given) -> Result<Oil, GivenError> {
+    given.word("oil", &[("1", Oil::ONE), ("2", Oil::TWO)])
+}
+
+/// PL in kgf/cm2 of 1 P at V cm/s over H um.
+fn film_pressure(given: &Given) -> Result<Finding, CheckError> {
+    let oil = Oil { viscosity: POISE, ..oil(given)? };
+    let (velocity, gap) = (given.number("V")? * CM_PER_S, given.number("H")? * UM);
+    Ok(Finding::Number(oil.film_pressure(velocity, gap)? / KGF_PER_CM2))
+}
+
+fn lubricated(given: &Given) -> Result<LubricatedJoint, CheckError> {
+    let study = LubricatedJoint::of_study(oil(given)?, film(given)?, pressure(given)?)?;
+    Ok(LubricatedJoint { joint: joint(given)?, ..study })
+}
+
+/// VcL in mm/s of an oil.
+fn parting_velocity(given: &Given) -> Result<Finding, CheckError> {
+    Ok(Finding::Number(lubricated(given)?.limit_velocity()? / MM_PER_S))
+}
+
+/// The lubricated joint at V cm/s: lift in um, shares and coefficients.
+fn lubricated_sliding(given: &Given) -> Result<Finding, CheckError> {
+    let reading = given.word::<fn(&LubricatedSliding) -> f64>(
+        "of",
+        &[
+            ("lift", |at| at.lift / UM),
+            ("solid", |at| at.solid),
+            ("oil", |at| at.oil),
+            ("total", |at| at.total),
+            ("printed-total", LubricatedSliding::printed_total),
+        ],
+    )?;
+    let at = lubricated(given)?.at_velocity(given.number("V")? * CM_PER_S)?;
+    Ok(Finding::Number(reading(&at)))
+}
+
+/// The power of mu_k by VcL - V, fitted evenly from rest to a share of VcL.
+fn fall_exponent(given: &Given) -> Result<Finding, CheckError> {
+    let (joint, share) = (lubricated(given)?, given.number("to")?);
+    let limit = joint.limit_velocity()?;
+    let point = |step: u32| {
+        let velocity = share * limit * f64::from(step) / f64::from(POINTS);
+        joint.at_velocity(velocity).map(|at| ((limit - velocity) / CM_PER_S, at.solid))
+    };
+    let points = (0..=POINTS).map(point).collect::<Result<Vec<_>, _>>()?;
+    Ok(Finding::Number(PowerLaw::fit(&points)?.exponent))
+}
+
+/// The most by which mu_k + mu_0 is above friction by weight, from rest to VcL.
+fn printed_total_excess(given: &Given) -> Result<Finding, CheckError> {
+    let joint = lubricated(given)?;
+    let limit = joint.limit_velocity()?;
+    let mut most = 0.0f64;
+    for step in 0..=1000 {
+        let at = joint.at_velocity(limit * f64::from(step) / 1000.0)?;
+        most = most.max(at.printed_total() - at.total);
+    }
+    Ok(Finding::truth(most < 5e-4, format!("up to {most:.4} too much")))
+}
+
+/// Whether mu_0 rises ever less steeply near rest, and a straight line through it from VcL to 10 cm/s meets rest above 0.
+fn oil_drag_offset(given: &Given) -> Result<Finding, CheckError> {
+    let joint = lubricated(given)?;
+    let (offset, slope) = oil_friction_line(&joint)?;
+    let slow = 0.05 * CM_PER_S;
+    let steep = joint.at_velocity(slow)?.oil / slow / slope;
+    let found = format!("{offset:.4} at rest; near rest {steep:.0} times as steep");
+    Ok(Finding::shape(offset > 0.0 && steep > 1.0, found))
+}
+
+/// What the line has at rest, and its slope in s/m.
+fn oil_friction_line(joint: &LubricatedJoint) -> Result<(f64, f64), SlidewayError> {
+    let (slow, fast) = (joint.limit_velocity()?, 10.0 * CM_PER_S);
+    let near = joint.at_velocity(slow)?.oil;
+    let slope = (joint.at_velocity(fast)?.oil - near) / (fast - slow);
+    Ok((near - slope * slow, slope))
+}
+
+/// By how many N s/mm the oil friction of a table of W kgf rises along that line.
+fn oil_damping(given: &Given) -> Result<Finding, CheckError> {
+    let (_, slope) = oil_friction_line(&lubricated(given)?)?;
+    Ok(Finding::Number(slope * given.number("W")? * KGF / N_S_PER_MM))
+}
+
+/// Whether a polar film lowers friction at every velocity below VcL, and leaves VcL as it is.
+fn polar_lowers(given: &Given) -> Result<Finding, CheckError> {
+    let plain = LubricatedJoint::of_study(oil(given)?, BoundaryFilm::NON_POLAR, pressure(given)?)?;
+    let polar = LubricatedJoint { film: BoundaryFilm::POLAR, ..plain };
+    let limits = [plain, polar].map(|joint| joint.limit_velocity());
+    let (limit, other) = (limits[0].clone()?, limits[1].clone()?);
+    let mut holds = limit == other;
+    for step in 0..100 {
+        let velocity = limit * f64::from(step) / 100.0;
+        holds &= polar.at_velocity(velocity)?.total < plain.at_velocity(velocity)?.total;
+    }
+    Ok(Finding::truth(holds, format!("VcL {:.1} mm/s with both", limit / MM_PER_S)))
+}
+
+/// By how much viscosity grows under p MN/m2, or changes with a rise of K.
+fn viscosity(given: &Given) -> Result<Finding, CheckError> {
+    let (pressure, rise) = (given.number_or("p", 0.0)? * 1e6, given.number_or("rise", 0.0)?);
+    Ok(Finding::Number(thickening(pressure) * thinning(rise)))
+}
