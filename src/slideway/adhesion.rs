@@ -7,6 +7,8 @@ use super::{Range, SlidewayError};
 const SHEAR: Range = Range::positive("shear strength Ss", "Pa");
 const FLOW: Range = Range::positive("flow pressure Pm", "Pa");
 const SHARE: Range = Range::new("share of metallic contact", "", 0.0, 1.0);
+const AREA: Range = Range::not_negative("area", "m2");
+const SLOPE: Range = Range::new("slope of asperities", "rad", 0.0, 1.5);
 const MODULUS: Range = Range::positive("modulus", "Pa");
 
 /// Ss / Pm, both in Pa: Bowden and Tabor's coefficient of friction (eq 7.2).
@@ -21,14 +23,14 @@ pub fn shear_by_flow(shear: f64, flow: f64) -> Result<f64, SlidewayError> {
 /// in Pa.
 ///
 /// # Errors
-/// Where Ss or p is not above 0.
+/// Where Ss or p is not above 0, or an area below 0.
 pub fn sheared_and_ploughed(
     area: f64,
     shear: f64,
     ploughed: f64,
     pressure: f64,
 ) -> Result<f64, SlidewayError> {
-    Ok(area * SHEAR.check(shear)? + ploughed * FLOW.check(pressure)?)
+    Ok(AREA.check(area)? * SHEAR.check(shear)? + AREA.check(ploughed)? * FLOW.check(pressure)?)
 }
 
 /// Mean shear strength in Pa of a contact that is metallic in a share of its area and a film of another strength in the rest:
@@ -44,9 +46,9 @@ pub fn mean_shear(metallic: f64, metal: f64, film: f64) -> Result<f64, SlidewayE
 /// Ernst and Merchant's coefficient: Ss / Pm + tan(theta), theta the mean slope of asperities in rad (eq 11.2).
 ///
 /// # Errors
-/// Where Ss or Pm is not above 0.
+/// Where Ss or Pm is not above 0, or the slope not within 0 ... 1.5 rad.
 pub fn ernst_merchant(shear: f64, flow: f64, slope: f64) -> Result<f64, SlidewayError> {
-    Ok(shear_by_flow(shear, flow)? + slope.tan())
+    Ok(shear_by_flow(shear, flow)? + SLOPE.check(slope)?.tan())
 }
 
 /// Kraghelskii's coefficient under ideal plasticity: alpha / (nu sigma_s) + beta (eq 14.2), alpha and the yield stress in Pa, nu and beta
@@ -74,9 +76,9 @@ pub fn tsukizoe_hisakado(shear: f64, flow: f64, alpha: f64) -> Result<f64, Slide
 /// 2 pi and a plus): [(2/pi) tan + mu/2 (1/cos + 1)] / [1 - (2/pi) mu tan].
 ///
 /// # Errors
-/// Where the slope is so steep that the cone cannot climb it.
+/// Where the slope is not within 0 ... 1.5 rad, or so steep that the cone cannot climb it.
 pub fn cone_on_plane(coefficient: f64, slope: f64) -> Result<f64, SlidewayError> {
-    let climb = 2.0 / PI * slope.tan();
+    let climb = 2.0 / PI * SLOPE.check(slope)?.tan();
     let left =
         Range::new("1 - (2/pi) mu tan", "", f64::EPSILON, f64::MAX).check(1.0 - coefficient * climb)?;
     Ok((climb + 0.5 * coefficient * (1.0 / slope.cos() + 1.0)) / left)
@@ -95,9 +97,10 @@ pub fn gupta_cook(shear: f64, yield_stress: f64) -> Result<f64, SlidewayError> {
 /// Their contact area in m2 under a load in N, 0.31 (2 / Y) W 3/2 (eq 24.2, 25.2), with the tensile yield stress in Pa.
 ///
 /// # Errors
-/// Where the yield stress is not above 0.
+/// Where the yield stress is not above 0, or the load below 0.
 pub fn gupta_cook_area(load: f64, yield_stress: f64) -> Result<f64, SlidewayError> {
-    Ok(1.5 * 0.31 * 2.0 / Range::positive("yield stress Y", "Pa").check(yield_stress)? * load)
+    Ok(1.5 * 0.31 * 2.0 / Range::positive("yield stress Y", "Pa").check(yield_stress)?
+        * Range::not_negative("load W", "N").check(load)?)
 }
 
 /// Tomlinson's constant of a material from Young's modulus E and shear modulus G, (3 E + sign 4 G) / (G (3 E + G)) (eq 2.2), in 1/Pa for Pa.

@@ -4,6 +4,7 @@ use super::{Range, SlidewayError};
 
 const STATIC: Range = Range::positive("static friction Fs", "N");
 const LIMIT: Range = Range::positive("limit velocity VcL", "m/s");
+const VELOCITY: Range = Range::finite("velocity", "m/s");
 const DAMPING: Range = Range::not_negative("viscous coefficient f", "N s/m");
 const SLOPE: Range = Range::not_negative("slope of friction Cn", "N s/m");
 
@@ -41,25 +42,25 @@ impl FallingFriction {
     /// 30-8, 31-8). At rest it may be anything up to Fs: that is what is given for v = 0.
     ///
     /// # Errors
-    /// Where Fs or VcL is not above 0.
+    /// Where Fs or VcL is not above 0, or the velocity is not a number.
     pub fn solid(&self, velocity: f64) -> Result<f64, SlidewayError> {
-        let left = (self.limit - velocity.abs()).max(0.0);
+        let left = (self.limit - VELOCITY.check(velocity)?.abs()).max(0.0);
         Ok(sign(velocity) * self.coefficient()? * left.powi(2))
     }
 
     /// The same by the straight line, Fs (1 - |v| / VcL) (eq 28-8, Fig 8.9).
     ///
     /// # Errors
-    /// Where Fs or VcL is not above 0.
+    /// Where Fs or VcL is not above 0, or the velocity is not a number.
     pub fn solid_straight(&self, velocity: f64) -> Result<f64, SlidewayError> {
-        let left = (1.0 - velocity.abs() / self.checked()?.limit).max(0.0);
+        let left = (1.0 - VELOCITY.check(velocity)?.abs() / self.checked()?.limit).max(0.0);
         Ok(sign(velocity) * self.static_friction * left)
     }
 
     /// All friction in N at a steady velocity, N (VcL - v)^2 + f v (eq 11-4, 14-4, 31-8).
     ///
     /// # Errors
-    /// Where Fs or VcL is not above 0, or the viscous coefficient f is below 0.
+    /// Where Fs or VcL is not above 0, the velocity is not a number, or the viscous coefficient f is below 0.
     pub fn total(&self, velocity: f64, damping: f64) -> Result<f64, SlidewayError> {
         Ok(self.solid(velocity)? + DAMPING.check(damping)? * velocity)
     }
@@ -151,6 +152,7 @@ mod tests {
         let error = FallingFriction::simulated(0.04).velocity_at_slope(40e3).unwrap_err();
         let told = "there is no critical velocity: friction falls by 38550.0000 N s/m at most, and it takes 40000.0000";
         assert_eq!(error.to_string(), told);
+        assert!(FallingFriction::simulated(0.04).solid(f64::NAN).is_err());
         assert!(FallingFriction { limit: 0.0, ..FallingFriction::simulated(1.0) }.solid(0.0).is_err());
     }
 

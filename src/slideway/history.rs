@@ -11,7 +11,9 @@ const STIFFNESS: Range = Range::positive("stiffness K", "N/m");
 const VELOCITY: Range = Range::positive("drive velocity", "m/s");
 const WEIGHT: Range = Range::not_negative("weight W", "N");
 const TIME: Range = Range::not_negative("time at rest", "s");
-const DAMPING: Range = Range::new("damping ratio", "", 0.0, 0.999_999);
+/// Nearer to 1 a slip would have to be followed through more than a hundred powers of ten.
+const DAMPING: Range = Range::new("damping ratio", "", 0.0, 0.999);
+const RATE: Range = Range::not_negative("constant of the lubricant", "");
 
 /// Derjaguin, Push and Tolstoi: a mass that slips on a moving base, with friction that drops by dF when it starts to slip and falls
 /// straight with the velocity of slip (eq 15.2 ... 19.2).
@@ -23,7 +25,7 @@ pub struct Slip {
     pub mass: f64,
     /// Stiffness K, in N/m, above 0.
     pub stiffness: f64,
-    /// What is left of damping, zeta = (f - n) / (2 sqrt(K M)), with n the fall of friction by velocity; 0 ... 1.
+    /// What is left of damping, zeta = (f - n) / (2 sqrt(K M)), with n the fall of friction by velocity; 0 ... 0.999.
     pub damping: f64,
 }
 
@@ -186,13 +188,14 @@ impl KatoLubricant {
     /// (1 - exp(-a (pi/wn)^m)) (1 - exp(-b (pi/wn)^n)) (eq 36.2).
     ///
     /// # Errors
-    /// Where mass or stiffness is not above 0, or the weight below 0.
+    /// Where mass or stiffness is not above 0, or the weight, a or b below 0.
     pub fn critical_velocity(&self, weight: f64, mass: f64, stiffness: f64) -> Result<f64, SlidewayError> {
         let (mass, stiffness) = (MASS.check(mass)?, STIFFNESS.check(stiffness)?);
         let half_period = PI * (mass / stiffness).sqrt();
+        let (first, second) = (RATE.check(self.a)?, RATE.check(self.b)?);
         let grown = |rate: f64, power: f64| 1.0 - (-rate * half_period.powf(power)).exp();
         let most = 2.0 * WEIGHT.check(weight)? / (PI * (mass * stiffness).sqrt());
-        Ok(most * self.drop * grown(self.a, self.m) * grown(self.b, self.n))
+        Ok(most * self.drop * grown(first, self.m) * grown(second, self.n))
     }
 }
 
@@ -200,12 +203,13 @@ impl KatoLubricant {
 /// a cycle (eq 33.2); where it and the equivalent linear damping add up to 0 is their critical velocity. Forces in N, velocities in m/s.
 ///
 /// # Errors
-/// Where the velocities are the same.
+/// Where the largest velocity is not the larger one.
 pub fn dynamic_slope(largest_force: (f64, f64), largest_velocity: (f64, f64)) -> Result<f64, SlidewayError> {
     let (force, velocity) = largest_force;
     let (force_there, velocity_there) = largest_velocity;
-    let fall = VELOCITY.check(velocity_there - velocity)?;
-    Ok((force_there - force) / fall)
+    let apart =
+        Range::positive("rise of velocity from the largest force", "m/s").check(velocity_there - velocity)?;
+    Ok((force_there - force) / apart)
 }
 
 /// Nakashima, Takata and Morita's friction for small motions, W a b0 / (s + b0) + T0 (eq 38.2), in the terms of the study.
@@ -255,6 +259,7 @@ mod tests {
             assert!((unit(damping).approximate_critical_velocity().unwrap() - approximate).abs() < 1e-3);
         }
         assert!(unit(0.0).critical_velocity().is_err());
+        assert!(unit(0.999).critical_velocity().unwrap() > 0.0);
     }
 
     #[test]

@@ -59,8 +59,14 @@ impl Range {
         if is_within { Ok(value) } else { Err(SlidewayError::OutOfRange { range: *self, value }) }
     }
 
+    /// All numbers.
+    pub const fn finite(quantity: &'static str, unit: &'static str) -> Self {
+        Range::new(quantity, unit, f64::MIN, f64::MAX)
+    }
+
     fn bounds(&self) -> String {
         match (self.low, self.high) {
+            (f64::MIN, f64::MAX) => "a finite number".to_owned(),
             (f64::MIN_POSITIVE, f64::MAX) => "above 0".to_owned(),
             (low, f64::MAX) => format!("at least {low}"),
             (low, high) => format!("{low} ... {high}"),
@@ -83,6 +89,10 @@ mod tests {
         assert_eq!(
             told(Range::not_negative("speed", "m/s"), -1.0),
             "speed is -1 m/s, and must be at least 0"
+        );
+        assert_eq!(
+            told(Range::finite("speed", "m/s"), f64::INFINITY),
+            "speed is inf m/s, and must be a finite number"
         );
         assert!(Range::positive("mass", "kg").check(f64::INFINITY).is_err());
     }

@@ -4,6 +4,7 @@
 //! M s^2 + f s - Cn s / (1 + Tc s) + K = 0. The study writes N for -Cn (eq 26-9 ... 32-9); here Cn is above 0 where
 //! friction falls, as in eq 40-8.
 
+use super::falling::FallingFriction;
 use super::power_law::PowerLaw;
 use super::units::{N_PER_MM, N_S_PER_MM};
 use super::{Range, SlidewayError};
@@ -12,6 +13,15 @@ const MASS: Range = Range::positive("mass M", "kg");
 const STIFFNESS: Range = Range::positive("stiffness K", "N/m");
 const DAMPING: Range = Range::not_negative("viscous coefficient f", "N s/m");
 const MEMORY: Range = Range::not_negative("time constant Tc", "s");
+const SLOPE: Range = Range::finite("slope of friction Cn", "N s/m");
+
+/// Eq 32-9 by the time constant as the study drew it, N s/mm by s, at 433 kg, 45 kN/mm and 10.71 N s/mm (eq 37-9). It is within 4 % of it
+/// over 6 ... 25 ms.
+pub const PRINTED_BY_MEMORY: PowerLaw = PowerLaw::new(12.95e4, 1.55);
+
+/// Eq 32-9 by stiffness as the study drew it, N s/mm by N/mm, at 433 kg, 10.71 N s/mm and 7.1 ms (eq 38-9). It is within 7 % of it over
+/// 10 ... 45 kN/mm.
+pub const PRINTED_BY_STIFFNESS: PowerLaw = PowerLaw::new(0.0385, 0.685);
 
 /// A table on its drive: a mass on a spring with viscous damping, whose solid friction remembers velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,9 +106,9 @@ impl DrivenTable {
     /// Factors of s^3, s^2, s and 1 in the denominator of eq 26-9, where solid friction falls by `slope`, in N s/m.
     ///
     /// # Errors
-    /// Where a quantity of the table is out of its range.
+    /// Where a quantity of the table is out of its range, or the slope is not a number.
     pub fn characteristic(&self, slope: f64) -> Result<[f64; 4], SlidewayError> {
-        let table = self.checked()?;
+        let (table, slope) = (self.checked()?, SLOPE.check(slope)?);
         let velocity = table.stiffness * table.memory + table.damping - slope;
         Ok([table.mass * table.memory, table.slowed_mass(), velocity, table.stiffness])
     }
@@ -107,7 +117,7 @@ impl DrivenTable {
     /// (eq 27-9; with "at least" it takes the boundary in).
     ///
     /// # Errors
-    /// Where a quantity of the table is out of its range.
+    /// Where a quantity of the table is out of its range, or the slope is not a number.
     pub fn is_stable(&self, slope: f64) -> Result<bool, SlidewayError> {
         let [cube, square, line, constant] = self.characteristic(slope)?;
         Ok(square * line > cube * constant)
@@ -123,6 +133,15 @@ impl DrivenTable {
         Ok(table.damping + by_memory)
     }
 
+    /// The critical velocity in m/s on a slideway with this friction, above which small motions die away: where friction falls by the
+    /// critical slope, VcL - Cn VcL^2 / (2 Fs) (eq 41-8 with 32-9).
+    ///
+    /// # Errors
+    /// Where a quantity is out of its range, or friction is nowhere so steep: then they die away at every velocity.
+    pub fn critical_velocity(&self, friction: &FallingFriction) -> Result<f64, SlidewayError> {
+        friction.velocity_at_slope(self.critical_slope()?)
+    }
+
     /// Frequency on the boundary of stability, sqrt(K / (M + f Tc)), in rad/s (eq 40-9).
     ///
     /// # Errors
@@ -134,9 +153,9 @@ impl DrivenTable {
     /// The numbers without unit, where solid friction falls by `slope`, in N s/m (eq 33-9 ... 35-9).
     ///
     /// # Errors
-    /// Where a quantity of the table is out of its range.
+    /// Where a quantity of the table is out of its range, or the slope is not a number.
     pub fn groups(&self, slope: f64) -> Result<Groups, SlidewayError> {
-        let table = self.checked()?;
+        let (table, slope) = (self.checked()?, SLOPE.check(slope)?);
         let per_mass = table.memory / table.mass;
         Ok(Groups {
             stiffness: table.stiffness * table.memory * per_mass,
@@ -189,6 +208,27 @@ mod tests {
         near(table.critical_slope().unwrap() / N_S_PER_MM, 58.4, 1e-3);
         near(table.boundary_frequency().unwrap(), 297.3, 1e-3);
         near(table.damped_frequency().unwrap(), 322.14, 1e-4);
+    }
+
+    #[test]
+    fn printed_power_laws_are_near_the_criterion() {
+        let table =
+            |memory, stiffness| DrivenTable { damping: 10.71e3, stiffness, ..DrivenTable::simulated(memory) };
+        let slope = |table: DrivenTable| table.critical_slope().unwrap() / N_S_PER_MM;
+        let by_memory =
+            [0.006, 0.0071, 0.01, 0.015, 0.025].map(|memory| (memory, slope(table(memory, 45e6))));
+        assert!(PRINTED_BY_MEMORY.worst_miss(&by_memory) < 0.04);
+        let by_stiffness =
+            [10e3, 20e3, 27.6e3, 45e3].map(|stiff| (stiff, slope(table(0.0071, stiff * N_PER_MM))));
+        assert!(PRINTED_BY_STIFFNESS.worst_miss(&by_stiffness) < 0.07);
+    }
+
+    #[test]
+    fn the_critical_velocity_is_that_of_the_slope() {
+        let friction = FallingFriction::simulated(0.010_16);
+        let velocity = DrivenTable::simulated(0.0065).critical_velocity(&friction).unwrap();
+        near(velocity * 1e3, 6.734, 1e-3);
+        assert!(DrivenTable::simulated(0.025).critical_velocity(&friction).is_err());
     }
 
     #[test]

@@ -261,7 +261,7 @@ fn without_memory(given: &Given) -> Result<Finding, CheckError> {
     let (_, motion) = cycle(given, &plain, 1.0)?;
     let friction = FallingFriction::simulated(given.number_or("VcL", 0.04)?);
     let read = motion.velocity / MM_PER_S;
-    match friction.velocity_at_slope(table.critical_slope()?) {
+    match table.critical_velocity(&friction) {
         Ok(velocity) => {
             let velocity = velocity / MM_PER_S;
             let found = format!("{read:.2} mm/s without Tc, {velocity:.2} with it");

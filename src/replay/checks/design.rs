@@ -35,6 +35,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "t92-tells-oils-apart", run: oils_apart },
     Check { name: "design-constant", run: design_constant },
     Check { name: "design-trend", run: design_trend },
+    Check { name: "design-trend-smaller", run: design_trend_smaller },
     Check { name: "design-oscillates", run: design_oscillates },
     Check { name: "flank-simplified", run: flank_simplified },
     Check { name: "polar-and-thin", run: polar_and_thin },
@@ -218,19 +219,23 @@ fn designs() -> impl Iterator<Item = Design> {
     TABLE_9_2.iter().map(|cell| Design::model(cell.viscosity, cell.stiffness))
 }
 
+/// One of the trends.
+type Trend = fn(&Trends) -> f64;
+
+/// What a trend of eq 93-9 is by.
+const TRENDS: [(&str, Trend); 7] = [
+    ("viscosity", |trends| trends.viscosity),
+    ("weight", |trends| trends.weight),
+    ("stiffness", |trends| trends.stiffness),
+    ("polar", |trends| trends.polar),
+    ("lift", |trends| trends.lift),
+    ("flank", |trends| trends.flank),
+    ("area", |trends| trends.area),
+];
+
 /// Whether the critical velocity rises or falls with a quantity of eq 93-9 in every cell of Table T9-2.
 fn design_trend(given: &Given) -> Result<Finding, CheckError> {
-    type Part = fn(&Trends) -> f64;
-    let parts: [(&str, Part); 7] = [
-        ("viscosity", |trends| trends.viscosity),
-        ("weight", |trends| trends.weight),
-        ("stiffness", |trends| trends.stiffness),
-        ("polar", |trends| trends.polar),
-        ("lift", |trends| trends.lift),
-        ("flank", |trends| trends.flank),
-        ("area", |trends| trends.area),
-    ];
-    let part = given.word("with", &parts)?;
+    let part = given.word("with", &TRENDS)?;
     let sign = given.word("way", &[("rises", 1.0), ("falls", -1.0)])?;
     let equation = DesignEquation::derived();
     let percents = designs()
@@ -238,6 +243,17 @@ fn design_trend(given: &Given) -> Result<Finding, CheckError> {
         .collect::<Result<Vec<f64>, SlidewayError>>()?;
     let found = format!("1 % of it makes {}", spanned(&percents, " %"));
     Ok(Finding::shape(percents.iter().all(|percent| sign * percent > 0.0), found))
+}
+
+/// That one quantity of eq 93-9 moves the critical velocity less than another in every cell of Table T9-2.
+fn design_trend_smaller(given: &Given) -> Result<Finding, CheckError> {
+    let (minor, major) = (given.word("of", &TRENDS)?, given.word("than", &TRENDS)?);
+    let equation = DesignEquation::derived();
+    let ratios = designs()
+        .map(|design| equation.trends(&design).map(|trends| (minor(&trends) / major(&trends)).abs()))
+        .collect::<Result<Vec<f64>, SlidewayError>>()?;
+    let found = format!("{} times as much", spanned(&ratios, ""));
+    Ok(Finding::shape(ratios.iter().all(|ratio| *ratio < 1.0), found))
 }
 
 /// Least and most of numbers, in words.

@@ -27,6 +27,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "slip-half-period", run: slip_half_period },
     Check { name: "slip-falls-with-drive", run: slip_falls_with_drive },
     Check { name: "slip-critical", run: slip_critical },
+    Check { name: "slip-critical-tends", run: slip_critical_tends },
     Check { name: "slip-critical-ends-stick", run: slip_ends },
     Check { name: "slip-critical-falls", run: slip_critical_falls },
     Check { name: "growth-at-rest", run: growth_at_rest },
@@ -196,6 +197,19 @@ fn slip_critical(given: &Given) -> Result<Finding, CheckError> {
     let ratio = slip.approximate_critical_velocity()? / slip.critical_velocity()?;
     let found = format!("{:+.1} % from tangency", 100.0 * (ratio - 1.0));
     Ok(Finding::truth((ratio - 1.0).abs() < 0.02, found))
+}
+
+/// That eq 19.2 comes nearer to tangency as the damping ratio falls.
+fn slip_critical_tends(given: &Given) -> Result<Finding, CheckError> {
+    let slip = slip(given)?;
+    let miss = |damping: f64| -> Result<f64, SlidewayError> {
+        let slip = Slip { damping, ..slip };
+        Ok(100.0 * (slip.approximate_critical_velocity()? / slip.critical_velocity()? - 1.0))
+    };
+    let ratios = given.numbers("over")?;
+    let misses = ratios.iter().map(|damping| miss(*damping)).collect::<Result<Vec<f64>, SlidewayError>>()?;
+    let holds = misses.windows(2).all(|pair| pair[1].abs() < pair[0].abs());
+    Ok(Finding::shape(holds, format!("{misses:.1?} % at {ratios:?}")))
 }
 
 /// That slip ends just below the critical velocity, and not just above.

@@ -6,10 +6,10 @@ use super::super::finding::Finding;
 use super::super::given::Given;
 use super::{Check, CheckError};
 use crate::slideway::SlidewayError;
-use crate::slideway::falling::FallingFriction;
+use crate::slideway::falling::{FallingFriction, worst_limit};
 use crate::slideway::power_law::PowerLaw;
 use crate::slideway::simulated::SLOPE_BY_MEMORY;
-use crate::slideway::stability::{DrivenTable, Groups};
+use crate::slideway::stability::{DrivenTable, Groups, PRINTED_BY_MEMORY};
 use crate::slideway::units::{MM_PER_S, N_S_PER_MM};
 
 pub(super) const CHECKS: &[Check] = &[
@@ -26,6 +26,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "memory-leads", run: memory_leads },
     Check { name: "theory-above-simulation", run: theory_above_simulation },
     Check { name: "critical-velocity-trend", run: critical_velocity_trend },
+    Check { name: "highest-velocity-trend", run: highest_velocity_trend },
 ];
 
 /// The study's final setting (8.4), with what is given instead: M, K, f, Tc.
@@ -115,7 +116,7 @@ fn routh_in_groups(given: &Given) -> Result<Finding, CheckError> {
 fn stable_while_falling(given: &Given) -> Result<Finding, CheckError> {
     let table = table(given)?;
     let friction = FallingFriction::simulated(given.number("VcL")?);
-    let critical = friction.velocity_at_slope(table.critical_slope()?)?;
+    let critical = table.critical_velocity(&friction)?;
     let least = friction.velocity_of_least(table.damping)?;
     let found = format!("stable from {:.2} mm/s, falling until {:.2}", critical / MM_PER_S, least / MM_PER_S);
     Ok(Finding::shape(critical < least, found))
@@ -169,8 +170,17 @@ fn slope_trend(given: &Given) -> Result<Finding, CheckError> {
 /// Whether the critical velocity rises or falls with M, K, f or Tc, at one VcL.
 fn critical_velocity_trend(given: &Given) -> Result<Finding, CheckError> {
     let friction = FallingFriction::simulated(given.number("VcL")?);
-    let values =
-        over_settings(given, |table| Ok(friction.velocity_at_slope(table.critical_slope()?)? / MM_PER_S))?;
+    let values = over_settings(given, |table| Ok(table.critical_velocity(&friction)? / MM_PER_S))?;
+    trend(given, values, "mm/s")
+}
+
+/// Whether the highest critical velocity that any VcL gives rises or falls with M, K, f or Tc.
+fn highest_velocity_trend(given: &Given) -> Result<Finding, CheckError> {
+    let static_friction = FallingFriction::simulated(1.0).static_friction;
+    let values = over_settings(given, |table| {
+        let limit = worst_limit(static_friction, table.critical_slope()?)?;
+        Ok(table.critical_velocity(&FallingFriction { static_friction, limit })? / MM_PER_S)
+    })?;
     trend(given, values, "mm/s")
 }
 
@@ -191,9 +201,8 @@ fn memory_leads(given: &Given) -> Result<Finding, CheckError> {
 
 /// That eq 37-9 lies above eq 1-9 at all time constants given.
 fn theory_above_simulation(given: &Given) -> Result<Finding, CheckError> {
-    let theory = PowerLaw::new(given.number("factor")?, given.number("exponent")?);
-    let ratios: Vec<f64> =
-        given.numbers("Tc")?.iter().map(|memory| theory.at(*memory) / SLOPE_BY_MEMORY.at(*memory)).collect();
+    let ratio = |memory: &f64| PRINTED_BY_MEMORY.at(*memory) / SLOPE_BY_MEMORY.at(*memory);
+    let ratios: Vec<f64> = given.numbers("Tc")?.iter().map(ratio).collect();
     let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
     let most = ratios.iter().copied().fold(0.0, f64::max);
     Ok(Finding::shape(least > 1.0, format!("{least:.2} ... {most:.2} times as steep")))
