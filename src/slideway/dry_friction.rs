@@ -133,9 +133,6 @@ impl DryFriction {
         let shrinking = joint.leading_share(PRESSURE.check(pressure)?)? * borne / pressure;
         Ok(shrinking.powf(1.0 / joint.leading_area.exponent))
     }
-
-    /// mu_k = mu_s alpha^-0.67, to which the curve of Fig 7.24 comes near for alpha 1 ... 2.9 (eq 125-7).
-    pub const FRICTION_EXPONENT: f64 = 0.67;
 }
 
 /// Penetration of a joint by its leading area on a square centimetre: in um and um2, hd = 0.077 AcL^0.27, as printed (eq 96-7); both handed over in m2 and m.

@@ -20,6 +20,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "dry-sliding", run: dry_sliding },
     Check { name: "dry-frequency-of-most", run: dry_frequency_of_most },
     Check { name: "dry-friction-exponent", run: dry_friction_exponent },
+    Check { name: "stiffness-and-alpha", run: stiffness_and_alpha },
     Check { name: "penetration-of-area", run: penetration_of_area },
     Check { name: "stiffening-at", run: stiffening_at },
     Check { name: "range-profile", run: range_profile },
@@ -28,6 +29,9 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "film-pressure", run: film_pressure },
     Check { name: "parting-velocity", run: parting_velocity },
     Check { name: "lubricated-sliding", run: lubricated_sliding },
+    Check { name: "parting-trend", run: parting_trend },
+    Check { name: "load-shares", run: load_shares },
+    Check { name: "rises-slowly", run: rises_slowly },
     Check { name: "fall-exponent", run: fall_exponent },
     Check { name: "printed-total-excess", run: printed_total_excess },
     Check { name: "oil-drag-offset", run: oil_drag_offset },
@@ -108,6 +112,23 @@ fn dry_friction_exponent(given: &Given) -> Result<Finding, CheckError> {
         square += at.stiffening.ln().powi(2);
     }
     Ok(Finding::Number(-joint / square))
+}
+
+/// Whether the normal stiffness and the inverse of the real part of alpha both fall with frequency all the way.
+fn stiffness_and_alpha(given: &Given) -> Result<Finding, CheckError> {
+    let dry = dry(given)?;
+    let at = |frequency: f64| -> Result<[f64; 2], CheckError> {
+        Ok([dry.at_frequency(frequency)?.stiffness, 1.0 / dry.response(frequency)?.0])
+    };
+    let at_rest = at(0.0)?;
+    let (mut holds, mut before) = (true, at_rest);
+    for step in 1..=POINTS {
+        let now = at(10f64.powf(4.0 * f64::from(step) / f64::from(POINTS) - 1.0))?;
+        holds &= now[0] < before[0] && now[1] < before[1];
+        before = now;
+    }
+    let [stiffness, inverse] = [0, 1].map(|index| before[index] / at_rest[index]);
+    Ok(Finding::shape(holds, format!("to {stiffness:.3} and {inverse:.3} of what they are at rest")))
 }
 
 /// hd in um of a leading area of A um2, by eq 96-7.
@@ -199,6 +220,44 @@ fn lubricated_sliding(given: &Given) -> Result<Finding, CheckError> {
     )?;
     let at = lubricated(given)?.at_velocity(given.number("V")? * CM_PER_S)?;
     Ok(Finding::Number(reading(&at)))
+}
+
+/// Whether VcL falls when the viscosity doubles, or when the surface is smoother by a tenth of the gap.
+fn parting_trend(given: &Given) -> Result<Finding, CheckError> {
+    let joint = lubricated(given)?;
+    let thicker = Oil { viscosity: 2.0 * joint.oil.viscosity, ..joint.oil };
+    let other = given.word(
+        "by",
+        &[
+            ("viscosity", LubricatedJoint { oil: thicker, ..joint }),
+            ("smoothness", LubricatedJoint { touching_gap: 0.9 * joint.touching_gap, ..joint }),
+        ],
+    )?;
+    let [before, after] = [joint, other].map(|joint| joint.limit_velocity());
+    let (before, after) = (before? / MM_PER_S, after? / MM_PER_S);
+    Ok(Finding::shape(after < before, format!("from {before:.1} to {after:.1} mm/s")))
+}
+
+/// Whether the load that the lift leaves on the ridges and the load that the film does not carry are the same at V cm/s.
+fn load_shares(given: &Given) -> Result<Finding, CheckError> {
+    let (joint, velocity) = (lubricated(given)?, given.number("V")? * CM_PER_S);
+    let at = joint.at_velocity(velocity)?;
+    let penetration = joint.joint.penetration(joint.pressure)?;
+    let by_lift = (1.0 - at.lift / penetration).powf(1.0 / joint.joint.penetration.exponent);
+    let film = joint.oil.film_pressure(velocity, joint.touching_gap - penetration + at.lift)?;
+    let by_film = 1.0 - film / joint.pressure;
+    Ok(Finding::truth((by_lift - by_film).abs() < 1e-9, format!("{by_lift:.5} and {by_film:.5}")))
+}
+
+/// Whether friction rises less steeply from VcL to 10 cm/s than it falls up to VcL.
+fn rises_slowly(given: &Given) -> Result<Finding, CheckError> {
+    let joint = lubricated(given)?;
+    let (limit, fast) = (joint.limit_velocity()?, 10.0 * CM_PER_S);
+    let at = |velocity: f64| joint.at_velocity(velocity).map(|at| at.total);
+    let fall = (at(0.0)? - at(limit)?) / limit * CM_PER_S;
+    let rise = (at(fast)? - at(limit)?) / (fast - limit) * CM_PER_S;
+    let found = format!("falls by {fall:.4}, rises by {rise:.4} with every cm/s");
+    Ok(Finding::shape(rise > 0.0 && rise < fall, found))
 }
 
 /// The power of mu_k by VcL - V, fitted evenly from rest to a share of VcL.

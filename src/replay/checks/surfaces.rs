@@ -1,5 +1,7 @@
 //! Ridges, ranges of them, and the joint at rest (7.2).
 
+use std::f64::consts::PI;
+
 use super::super::finding::Finding;
 use super::super::given::{Given, GivenError};
 use super::stability::part_of;
@@ -25,7 +27,11 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "slope-of-sums", run: slope_of_sums },
     Check { name: "reloaded-range", run: reloaded_range },
     Check { name: "reload-law", run: reload_law },
+    Check { name: "reloading-widens", run: reloading_widens },
     Check { name: "joint-at-rest", run: joint_at_rest },
+    Check { name: "pull-raises-friction", run: pull_raises_friction },
+    Check { name: "friction-and-load", run: friction_and_load },
+    Check { name: "slip-within-radii", run: slip_within_radii },
     Check { name: "static-friction-law", run: static_friction_law },
     Check { name: "boundary-film", run: boundary_film },
     Check { name: "film-for-friction", run: film_for_friction },
@@ -181,6 +187,19 @@ fn reload_law(given: &Given) -> Result<Finding, CheckError> {
     part_of(given, &PowerLaw::fit(&points)?)
 }
 
+/// Whether a range that was overloaded touches over more area at the same load, over its first levels.
+fn reloading_widens(given: &Given) -> Result<Finding, CheckError> {
+    let range = range(given)?;
+    let (mut holds, mut found) = (true, Vec::new());
+    for level in 1..=given.number("to")? as u32 {
+        let again = reloaded(given, level)?;
+        let first = range.under(again.load)?;
+        holds &= again.area > first.area;
+        found.push(format!("{:.2}", again.area / first.area));
+    }
+    Ok(Finding::shape(holds, format!("{} times", found.join(", "))))
+}
+
 /// Where the constants of a joint come from.
 #[derive(Debug, Clone, Copy)]
 enum Source {
@@ -242,6 +261,37 @@ fn joint_at_rest(given: &Given) -> Result<Finding, CheckError> {
     ];
     let reading = given.word("of", &known)?;
     Ok(Finding::Number(reading(&joint(given)?, pressure(given)?, &film(given)?)?))
+}
+
+/// Whether friction at slip is above that of the first pull.
+fn pull_raises_friction(given: &Given) -> Result<Finding, CheckError> {
+    let (joint, pressure) = (joint(given)?, pressure(given)?);
+    let first = joint.initial_friction(pressure)?;
+    let slip = joint.static_friction(pressure, &BoundaryFilm::DRY)?;
+    Ok(Finding::shape(first < slip, format!("{first:.3} and {slip:.3}")))
+}
+
+/// Whether the static friction coefficient falls from 0.1 to 1 kgf/cm2, or stays, for a power of the area by the load.
+fn friction_and_load(given: &Given) -> Result<Finding, CheckError> {
+    let (mut joint, film) = (joint(given)?, film(given)?);
+    joint.leading_area.exponent = given.number_or("power", joint.leading_area.exponent)?;
+    let at = |load: f64| joint.static_friction(load * KGF_PER_CM2, &film);
+    let (light, heavy) = (at(0.1)?, at(1.0)?);
+    let is_same = (heavy / light - 1.0).abs() < 1e-9;
+    let found = format!("{light:.3} and {heavy:.3}");
+    Ok(match given.word("way", &[("stays", true), ("falls", false)])? {
+        true => Finding::truth(is_same, found),
+        false => Finding::shape(heavy < light && !is_same, found),
+    })
+}
+
+/// Whether the displacement at slip is 3 ... 5 times the mean radius of a contact.
+fn slip_within_radii(given: &Given) -> Result<Finding, CheckError> {
+    let pressure = pressure(given)?;
+    let pressed = range(given)?.under(pressure * CM2)?;
+    let radius = (pressed.area / pressed.contacts / PI).sqrt();
+    let ratio = joint(given)?.slip_displacement(pressure)? / radius;
+    Ok(Finding::truth((3.0..=5.0).contains(&ratio), format!("{ratio:.2} times {:.2} um", radius / UM)))
 }
 
 /// Factor or exponent of a friction coefficient by load in kgf, fitted from ... to.
