@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Complex;
 
-use super::super::finding::Finding;
-use super::super::given::Given;
+use super::super::finding::{Finding, Printed};
+use super::super::given::{Given, GivenError};
 use super::stability::table;
 use super::{Check, CheckError};
 use crate::slideway::SlidewayError;
@@ -30,6 +30,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "open-loop-angle", run: open_loop_angle },
     Check { name: "at-angle", run: at_angle },
     Check { name: "limit-cycle", run: limit_cycle },
+    Check { name: "product-of-digits", run: product_of_digits },
     Check { name: "limit-cycle-sticks", run: sticks },
     Check { name: "slower-is-larger", run: slower_is_larger },
     Check { name: "softer-is-larger", run: softer_is_larger },
@@ -269,4 +270,21 @@ fn without_memory(given: &Given) -> Result<Finding, CheckError> {
         }
         Err(reason) => Ok(Finding::truth(false, format!("{read:.2} mm/s without Tc; with it {reason}"))),
     }
+}
+
+/// Whether a printed number is the product of two others, as far as their last digits tell: each may be off by half of one.
+fn product_of_digits(given: &Given) -> Result<Finding, CheckError> {
+    let [first, second, product] = ["a", "b", "is"].map(|name| printed(given, name));
+    let (first, second, product) = (first?, second?, product?);
+    let half = |number: &Printed| 0.5 * number.last_digit();
+    let slack = half(&first) * second.number.abs() + half(&second) * first.number.abs() + half(&product);
+    let got = first.number * second.number;
+    let found = format!("{} x {} = {:.5}", first.text, second.text, got);
+    Ok(Finding::truth((got - product.number).abs() <= slack, found))
+}
+
+fn printed(given: &Given, name: &str) -> Result<Printed, GivenError> {
+    let text = given.need(name)?;
+    Printed::parse(text)
+        .ok_or_else(|| GivenError::NotANumber { name: name.to_owned(), text: text.to_owned() })
 }

@@ -4,10 +4,7 @@ use super::super::finding::Finding;
 use super::super::given::Given;
 use super::stability::part_of;
 use super::{Check, CheckError};
-use crate::slideway::design::{
-    CONTACT_SHARE, Design, DesignEquation, Interface, LIFT_EXPONENT, LIMIT_COEFFICIENT, LIMIT_EXPONENT,
-    Trends, limit_velocity,
-};
+use crate::slideway::design::{CONTACT_SHARE, Design, DesignEquation, Interface, Trends, limit_velocity};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::measured::{Measurement, STATIC_FRICTION, TABLE_9_2};
 use crate::slideway::power_law::PowerLaw;
@@ -16,22 +13,19 @@ use crate::slideway::units::{KGF, KGF_PER_CM2, KGF_PER_MM2, MM_PER_S, MS, N_PER_
 use crate::slideway::{SlidewayError, simulated};
 
 pub(super) const CHECKS: &[Check] = &[
-    Check { name: "joint-factor", run: joint_factor },
     Check { name: "power-through", run: power_through },
     Check { name: "inverse-law", run: inverse_law },
-    Check { name: "mean-reciprocal", run: mean_reciprocal },
-    Check { name: "limit-base", run: limit_base },
     Check { name: "static-friction", run: static_friction },
     Check { name: "static-friction-factor", run: static_friction_factor },
     Check { name: "oil-memory", run: oil_memory },
     Check { name: "oil-slope-law", run: oil_slope_law },
     Check { name: "oil-laws-fall-with-weight", run: oil_laws_fall },
     Check { name: "heavier-bears-less", run: heavier_bears_less },
-    Check { name: "memory-of-slope-law", run: memory_of_slope_law },
     Check { name: "t92-fit", run: table_fit },
     Check { name: "t92-slope", run: table_slope },
     Check { name: "t92-velocity", run: table_velocity },
     Check { name: "t92-memory", run: table_memory },
+    Check { name: "t92-and-back", run: table_and_back },
     Check { name: "t92-tells-oils-apart", run: oils_apart },
     Check { name: "design-constant", run: design_constant },
     Check { name: "design-trend", run: design_trend },
@@ -42,12 +36,6 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "simulated-trend", run: simulated_trend },
 ];
 
-/// What a factor is without a power of what was held: factor / by^power.
-fn joint_factor(given: &Given) -> Result<Finding, CheckError> {
-    let (factor, by, power) = (given.number("factor")?, given.number("by")?, given.number("power")?);
-    Ok(Finding::Number(factor / by.powf(power)))
-}
-
 /// Factor or exponent of the power law through the points (x, y).
 fn power_through(given: &Given) -> Result<Finding, CheckError> {
     let points: Vec<_> = given.numbers("x")?.into_iter().zip(given.numbers("y")?).collect();
@@ -57,25 +45,6 @@ fn power_through(given: &Given) -> Result<Finding, CheckError> {
 /// Factor or exponent of a power law turned round.
 fn inverse_law(given: &Given) -> Result<Finding, CheckError> {
     part_of(given, &PowerLaw::new(given.number("of")?, given.number("power")?).inverse())
-}
-
-/// The mean of the reciprocals of numbers.
-fn mean_reciprocal(given: &Given) -> Result<Finding, CheckError> {
-    let numbers = given.numbers("of")?;
-    let sum: f64 = numbers.iter().map(|number| 1.0 / number).sum();
-    Ok(Finding::Number(sum / numbers.len() as f64))
-}
-
-/// What stands over eta^0.181 in eq 14-9, or with `eta` in P all of VcL by it in mm/s.
-fn limit_base(given: &Given) -> Result<Finding, CheckError> {
-    let pressed = given.number("Pw")? * given.number("H")?.powf(LIFT_EXPONENT);
-    let base = pressed / LIMIT_COEFFICIENT.factor;
-    if given.text("eta").is_none() {
-        return Ok(Finding::Number(base));
-    }
-    // The text goes on with the base that it prints.
-    let thinned = given.number("eta")?.powf(1.0 + LIMIT_COEFFICIENT.exponent);
-    Ok(Finding::Number(10.0 * (given.number("base")? / thinned).powf(LIMIT_EXPONENT)))
 }
 
 /// The model slideway, with what is given instead: KLP in kgf/mm2.
@@ -134,17 +103,6 @@ fn heavier_bears_less(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::shape(ratios.iter().all(|ratio| *ratio < 1.0), found))
 }
 
-/// Factor in ms, or exponent, of the law of Tc that makes the law of the slope, by eq 6-9 turned round.
-fn memory_of_slope_law(given: &Given) -> Result<Finding, CheckError> {
-    let slope = oil_law(given)?.slope;
-    let memory = |poise: f64| -> Result<f64, SlidewayError> {
-        // The stiffness drops out; friction is as steep as the law says.
-        let friction = FallingFriction { static_friction: 0.5 * slope.at(poise) * N_S_PER_MM, limit: 1.0 };
-        Ok(memory_from_critical_velocity(&friction, 0.0, N_PER_MM)? / MS)
-    };
-    part_of(given, &PowerLaw::fit(&[(0.1, memory(0.1)?), (1.0, memory(1.0)?)])?)
-}
-
 /// The law through the cells of Table T9-2, Tc in ms by viscosity in P or the other way round; `without` leaves out the cell with that Tc in s.
 fn table_fit(given: &Given) -> Result<Finding, CheckError> {
     let left_out = given.number_or("without", 0.0)?;
@@ -184,6 +142,17 @@ fn table_velocity(given: &Given) -> Result<Finding, CheckError> {
 fn table_memory(given: &Given) -> Result<Finding, CheckError> {
     let (cell, velocity) = (cell(given)?, given.number("Vc")? * MM_PER_S);
     Ok(Finding::Number(memory_from_critical_velocity(&cell.friction(), velocity, cell.stiffness)?))
+}
+
+/// That eq 15-9 gives every cell of Table T9-2 back from its critical velocity.
+fn table_and_back(_: &Given) -> Result<Finding, CheckError> {
+    let mut worst: f64 = 0.0;
+    for cell in &TABLE_9_2 {
+        let velocity = cell.critical_velocity()?;
+        let memory = memory_from_critical_velocity(&cell.friction(), velocity, cell.stiffness)?;
+        worst = worst.max((memory / cell.memory - 1.0).abs());
+    }
+    Ok(Finding::truth(worst < 1e-9, format!("all {} cells", TABLE_9_2.len())))
 }
 
 /// That every stiffness tells the oils of Table T9-2 apart by Tc: the largest of an oil is below the least of the next thicker one.

@@ -16,8 +16,6 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "stable-limit", run: stable },
     Check { name: "falls-below-static", run: falls_below_static },
     Check { name: "straight-slope-turns", run: straight_slope_turns },
-    Check { name: "friction-at-start", run: friction_at_start },
-    Check { name: "lagged-friction-at-rest", run: lagged_at_rest },
 ];
 
 /// The friction of the simulation, 771 N, or Fs, with VcL in m/s.
@@ -125,17 +123,4 @@ fn straight_slope_turns(given: &Given) -> Result<Finding, CheckError> {
     let (below, above) = (rise(0.98, 0.99)?, rise(1.01, 1.02)?);
     let found = format!("{below:.1} N s/mm just below, {above:.1} just above");
     Ok(Finding::truth(below < 0.0 && above > 0.0, found))
-}
-
-/// That eq 15-4, which multiplies friction by 1 - exp(-t/Tc), gives Fs to a table that has stood for `t` in s.
-fn friction_at_start(given: &Given) -> Result<Finding, CheckError> {
-    let share = 1.0 - (-given.number("t")? / given.number("Tc")?).exp();
-    Ok(Finding::truth((share - 1.0).abs() < 1e-9, format!("{share} of Fs")))
-}
-
-/// That Fs (VcL - v)^2, as chapter 10 has it, is Fs at rest whatever VcL in m/s is.
-fn lagged_at_rest(given: &Given) -> Result<Finding, CheckError> {
-    let shares: Vec<f64> = given.numbers("VcL")?.iter().map(|limit| (limit / MM_PER_S).powi(2)).collect();
-    let holds = shares.iter().all(|share| (share - 1.0).abs() < 1e-9);
-    Ok(Finding::truth(holds, format!("{shares:.3?} Fs, with mm/s")))
 }

@@ -1,6 +1,5 @@
 //! The checks that decide claims, by name. Those of a subject stand in a file, one row each in its table.
 
-mod arithmetic;
 mod describing;
 mod design;
 mod drive;
@@ -25,7 +24,6 @@ struct Check {
 
 /// The tables of all subjects.
 const TABLES: &[&[Check]] = &[
-    arithmetic::CHECKS,
     describing::CHECKS,
     design::CHECKS,
     drive::CHECKS,

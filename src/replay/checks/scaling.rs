@@ -27,7 +27,6 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "square", run: square },
     Check { name: "root-of-square", run: root },
     Check { name: "only-one-gain-changes", run: only_one_gain },
-    Check { name: "wide-enough", run: wide_enough },
     Check { name: "within-reference", run: within_reference },
 ];
 
@@ -166,12 +165,6 @@ fn only_one_gain(given: &Given) -> Result<Finding, CheckError> {
     let (first, second) = (gains(Scales::A)?, gains(Scales::B)?);
     let same = first.iter().zip(second).all(|(one, other)| (one / other - 1.0).abs() < 1e-9);
     Ok(Finding::truth(same, format!("the gain of K goes from {:.2} to {:.2}", first[0], second[0])))
-}
-
-/// That a dead zone in V is too narrow by the text's own measure of 1.3 V.
-fn wide_enough(given: &Given) -> Result<Finding, CheckError> {
-    let (zone, least) = (given.number("zone")?, given.number("least")?);
-    Ok(Finding::truth(zone < least, format!("{zone:.2} V, and it takes {least:.2} V")))
 }
 
 /// That a velocity in m/s stays within the machine's ±100 V in set B.
