@@ -151,7 +151,7 @@ impl DrivenTable {
     pub fn limit_cycle(&self, force_ratio: f64) -> Result<LimitCycle, SlidewayError> {
         let (force, table) = (FORCE_RATIO.check(force_ratio)?, self.checked()?);
         Range::positive("viscous coefficient f", "N s/m").check(table.damping)?;
-        // More is left of a smaller sum: what goes in falls with g, and g is where it comes out again.
+        // S changes by half as many percent as g at most, and what the cut-off leaves of it by two thirds of that: one solution.
         let is_short = |gain: f64| cut_off_gain(force * table.cycle_with_gain(gain, force).sum(table)) > gain;
         let gain = halved(0.5, 1.0, is_short);
         Ok(table.cycle_with_gain(gain, force))
