@@ -7,8 +7,8 @@ use super::root::halved;
 use super::units::{KGF, UM, UM2};
 use super::{Range, SlidewayError};
 
-const OVERLAP: Range = Range::positive("overlap of two ranges", "m");
-const STEP: Range = Range::positive("step between contacts", "m");
+const STEP: Range = Range::new("step between contacts", "m", 1e-12, 1e-3);
+const OVERLAP: Range = Range::new("overlap of two ranges in steps", "", f64::MIN_POSITIVE, LEVELS.high);
 const LOAD: Range = Range::positive("load of a range", "N");
 const LEVELS: Range = Range::new("levels", "", 1.0, 1000.0);
 
@@ -48,9 +48,9 @@ impl AsperityRange {
     /// What an overlap in m comes to (eq 32-7 ... 36-7). Every contact is elastic up to its own yield overlap and plastic beyond.
     ///
     /// # Errors
-    /// Where overlap or step is not above 0.
+    /// Where the step is outside of 1e-12 ... 1e-3 m, or the overlap not above 0 or above a thousand steps.
     pub fn pressed(&self, overlap: f64) -> Result<Pressed, SlidewayError> {
-        OVERLAP.check(overlap)?;
+        self.checked(overlap)?;
         Ok(self.sum(0, overlap))
     }
 
@@ -82,10 +82,16 @@ impl AsperityRange {
     /// first whole level touch together, 4 `first` of them, and `overlap` in m counts from there.
     ///
     /// # Errors
-    /// Where overlap or step is not above 0.
+    /// As [`AsperityRange::pressed`], and where `first` is not 1 ... 1000.
     pub fn reloaded(&self, first: u32, overlap: f64) -> Result<Pressed, SlidewayError> {
-        OVERLAP.check(overlap)?;
+        self.checked(overlap)?;
+        LEVELS.check(f64::from(first))?;
         Ok(self.sum(first, overlap))
+    }
+
+    /// That an overlap is above 0 and of no more than a thousand steps.
+    fn checked(&self, overlap: f64) -> Result<f64, SlidewayError> {
+        OVERLAP.check(overlap / STEP.check(self.step)?)
     }
 
     fn sum(&self, first: u32, overlap: f64) -> Pressed {
@@ -205,6 +211,8 @@ mod tests {
 
     #[test]
     fn what_cannot_be_pressed_is_told() {
+        assert!(AsperityRange { step: 0.0, ..range() }.pressed(1e-7).is_err());
+        assert!(range().pressed(1e-3).is_err() && range().reloaded(0, 1e-7).is_err());
         assert!(
             range().pressed(0.0).is_err() && range().under(-1.0).is_err() && range().at_level(0).is_err()
         );

@@ -4,10 +4,10 @@ use super::material::Material;
 use super::units::{KGF_PER_MM2, UM};
 use super::{Range, SlidewayError};
 
-const RUPTURE: Range = Range::not_negative("rupture constant Ko", "Pa");
-const SHEAR: Range = Range::not_negative("shear strength of the film", "Pa");
+const RUPTURE: Range = Range::new("rupture constant Ko", "Pa", 0.0, 1e12);
+const SHEAR: Range = Range::new("shear strength of the film", "Pa", 0.0, 1e12);
 const THICKNESS: Range = Range::not_negative("thickness of the film", "m");
-const CONTACT: Range = Range::not_negative("pressure on the film", "Pa");
+const CONTACT: Range = Range::new("pressure on the film", "Pa", 0.0, 1e10);
 
 /// What any film carries, however thick: 0.06 kgf/mm2 (eq 71-7).
 const LEAST_YIELD: f64 = 0.06 * KGF_PER_MM2;
@@ -76,7 +76,7 @@ impl BoundaryFilm {
 /// Shear strength SoL of a film in Pa under a pressure in Pa: exp(ko Pa) - 1 kgf/mm2, with ko = 0.014 mm2/kgf (eq 72-7).
 ///
 /// # Errors
-/// Where the pressure is below 0.
+/// Where the pressure is outside of 0 ... 1e10 Pa.
 pub fn film_shear_strength(pressure: f64) -> Result<f64, SlidewayError> {
     Ok((SHEAR_GROWTH * CONTACT.check(pressure)?).exp_m1() * KGF_PER_MM2)
 }

@@ -7,7 +7,7 @@ use super::material::{MEAN_TO_PEAK, Material};
 use super::ridge::Ridge;
 use super::{Range, SlidewayError};
 
-const LOAD: Range = Range::not_negative("load of a contact", "N");
+const LOAD: Range = Range::new("load of a contact", "N", 0.0, 1e9);
 
 /// Two equal ridges that cross at an angle, taken as Hertz contacts of the arcs that stand in for them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +49,7 @@ impl Crossing {
     /// Semi-axes of the area of contact in m, the longer first, under a load in N while elastic (eq 10-7, 11-7, 18-7).
     ///
     /// # Errors
-    /// Where the load is below 0.
+    /// Where the load is outside of 0 ... 1e9 N.
     pub fn semi_axes(&self, load: f64) -> Result<(f64, f64), SlidewayError> {
         let Ellipse { major, minor } = self.ellipse;
         let unit = (self.area(load)? / (PI * major * minor)).sqrt();
@@ -59,7 +59,7 @@ impl Crossing {
     /// Area of contact in m2 under a load in N while elastic (eq 19-7, 25-7).
     ///
     /// # Errors
-    /// Where the load is below 0.
+    /// Where the load is outside of 0 ... 1e9 N.
     pub fn area(&self, load: f64) -> Result<f64, SlidewayError> {
         Ok(self.area_factor * LOAD.check(load)?.powf(2.0 / 3.0))
     }
@@ -67,7 +67,7 @@ impl Crossing {
     /// Overlap h in m under a load in N while elastic: that at which the wedges share as large an area as the arcs (eq 22-7, 26-7).
     ///
     /// # Errors
-    /// Where the load is below 0.
+    /// Where the load is outside of 0 ... 1e9 N.
     pub fn overlap(&self, load: f64) -> Result<f64, SlidewayError> {
         Ok((self.area(load)? / self.wedge_factor).sqrt())
     }
@@ -75,7 +75,7 @@ impl Crossing {
     /// Pressure in the middle in Pa under a load in N, 3/2 of the mean (eq 29-7, 30-7).
     ///
     /// # Errors
-    /// Where the load is below 0.
+    /// Where the load is outside of 0 ... 1e9 N.
     pub fn peak_pressure(&self, load: f64) -> Result<f64, SlidewayError> {
         Ok(self.mean_pressure(load)? / MEAN_TO_PEAK)
     }
@@ -83,7 +83,7 @@ impl Crossing {
     /// Mean pressure over the contact in Pa under a load in N while elastic (eq 31-7).
     ///
     /// # Errors
-    /// Where the load is below 0.
+    /// Where the load is outside of 0 ... 1e9 N.
     pub fn mean_pressure(&self, load: f64) -> Result<f64, SlidewayError> {
         Ok(LOAD.check(load)?.cbrt() / self.area_factor)
     }

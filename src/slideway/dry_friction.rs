@@ -8,9 +8,9 @@ use super::units::{CM2, KGF_PER_MM2, UM};
 use super::{Range, SlidewayError};
 
 const STIFFENING: Range = Range::new("stiffening alpha", "", 1.0 + 1e-9, 1e3);
-const VISCOSITY: Range = Range::positive("viscosity Um of the metal", "Pa s");
-const FREQUENCY: Range = Range::not_negative("frequency of deformation", "rad/s");
-const VELOCITY: Range = Range::not_negative("velocity", "m/s");
+const VISCOSITY: Range = Range::new("viscosity Um of the metal", "Pa s", 1.0, 1e15);
+const FREQUENCY: Range = Range::new("frequency of deformation", "rad/s", 0.0, 1e15);
+const VELOCITY: Range = Range::new("velocity", "m/s", 0.0, 100.0);
 
 /// A dry joint that slides under a mean pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,16 +131,16 @@ impl DryFriction {
     pub fn stiffening_at(joint: &Joint, pressure: f64, borne: f64) -> Result<f64, SlidewayError> {
         let borne = Range::positive("pressure on the leading area", "Pa").check(borne)?;
         let shrinking = joint.leading_share(PRESSURE.check(pressure)?)? * borne / pressure;
-        Ok(shrinking.powf(1.0 / joint.leading_area.exponent))
+        STIFFENING.check(shrinking.powf(1.0 / joint.leading_area.exponent))
     }
 }
 
 /// Penetration of a joint by its leading area on a square centimetre: in um and um2, hd = 0.077 AcL^0.27, as printed (eq 96-7); both handed over in m2 and m.
 ///
 /// # Errors
-/// Where the area is not above 0.
+/// Where the area is outside of 0 ... 1 m2.
 pub fn printed_penetration(leading_area: f64) -> Result<f64, SlidewayError> {
-    let area = Range::positive("leading area", "m2").check(leading_area)?;
+    let area = Range::new("leading area", "m2", 0.0, 1.0).check(leading_area)?;
     Ok(0.077 * (area / UM.powi(2)).powf(0.27) * UM)
 }
 

@@ -64,7 +64,7 @@ impl LubricatedJoint {
     /// metal have no part in it.
     ///
     /// # Errors
-    /// Where viscosity, gap or pressure is not above 0.
+    /// Where viscosity, gap or pressure is outside of the ranges of the oil.
     pub fn limit_velocity(&self) -> Result<f64, SlidewayError> {
         self.oil.velocity(self.touching_gap, self.pressure)
     }

@@ -3,10 +3,10 @@
 use super::units::KGF_PER_MM2;
 use super::{Range, SlidewayError};
 
-const MODULUS: Range = Range::positive("Young's modulus", "Pa");
+const MODULUS: Range = Range::new("Young's modulus", "Pa", 1e6, 1e13);
 const POISSON: Range = Range::new("Poisson's ratio", "", 0.0, 0.5);
-const HARDNESS: Range = Range::positive("Brinell hardness", "Pa");
-const SHEAR: Range = Range::not_negative("shear strength", "Pa");
+const HARDNESS: Range = Range::new("Brinell hardness", "Pa", 1e6, 1e12);
+const SHEAR: Range = Range::new("shear strength", "Pa", 0.0, 1e12);
 
 /// Mean pressure over a Hertz contact as a share of the pressure in its middle (eq 28-7).
 pub const MEAN_TO_PEAK: f64 = 2.0 / 3.0;
@@ -37,7 +37,8 @@ impl Material {
         shear_strength: 30.87 * KGF_PER_MM2,
     };
 
-    /// That every property is one that a metal can have.
+    /// That every property is one that a metal can have: E of 1e6 ... 1e13 Pa, Poisson's ratio of 0 ... 0.5, a hardness of
+    /// 1e6 ... 1e12 Pa, a shear strength of 0 ... 1e12 Pa.
     ///
     /// # Errors
     /// The first one that is not.

@@ -6,11 +6,11 @@ use super::units::{CM_PER_S, KGF_PER_CM2, POISE, UM};
 use super::wedge::DRAG_FACTOR;
 use super::{Range, SlidewayError};
 
-const VISCOSITY: Range = Range::positive("viscosity", "Pa s");
-const GAP: Range = Range::positive("height of the gap H", "m");
+const VISCOSITY: Range = Range::new("viscosity", "Pa s", 1e-6, 1e3);
+const GAP: Range = Range::new("height of the gap H", "m", 1e-9, 1e-2);
 /// The study fits up to 10 cm/s and goes no further.
 const VELOCITY: Range = Range::new("velocity", "m/s", 0.0, 10.0 * CM_PER_S);
-const PRESSURE: Range = Range::positive("film pressure", "Pa");
+const PRESSURE: Range = Range::new("film pressure", "Pa", 1e-3, 1e9);
 
 /// Power of the gap in the film pressure: 2 of Reynolds' equation and 0.478 of Ks (eq 155-7).
 const GAP_EXPONENT: f64 = 2.478;
@@ -38,7 +38,7 @@ impl Oil {
     /// Velocities up to 10 cm/s, gaps of 4.64 ... 9.2 um; eq 149-7 and 150-7 were fitted above VcL, and are used from rest on.
     ///
     /// # Errors
-    /// Where viscosity or gap is not above 0, or the velocity outside of 0 ... 10 cm/s.
+    /// Where the viscosity is outside of 1e-6 ... 1e3 Pa s, the gap of 1e-9 ... 1e-2 m, or the velocity of 0 ... 10 cm/s.
     pub fn film_pressure(&self, velocity: f64, gap: f64) -> Result<f64, SlidewayError> {
         let speed = self.wedge_speed.at(VELOCITY.check(velocity)? / CM_PER_S);
         Ok(self.pressure_of(speed, GAP.check(gap)?, VISCOSITY.check(self.viscosity)?))
@@ -47,7 +47,7 @@ impl Oil {
     /// The gap in m over which the film builds up a pressure in Pa at a velocity in m/s, above 0.
     ///
     /// # Errors
-    /// As [`Oil::film_pressure`], and where the pressure is not above 0.
+    /// As [`Oil::film_pressure`], and where the pressure is outside of 1e-3 ... 1e9 Pa.
     pub fn gap(&self, velocity: f64, pressure: f64) -> Result<f64, SlidewayError> {
         let at_unit_gap = self.film_pressure(velocity, UM)?;
         Ok((at_unit_gap / PRESSURE.check(pressure)?).powf(1.0 / GAP_EXPONENT) * UM)
@@ -56,7 +56,7 @@ impl Oil {
     /// The velocity in m/s at which the film builds up a pressure in Pa over a gap in m (eq 166-7, 167-7).
     ///
     /// # Errors
-    /// Where viscosity, gap or pressure is not above 0.
+    /// Where viscosity, gap or pressure is outside of the ranges of [`Oil::film_pressure`] and [`Oil::gap`].
     pub fn velocity(&self, gap: f64, pressure: f64) -> Result<f64, SlidewayError> {
         let at_unit_speed = self.pressure_of(1.0, GAP.check(gap)?, VISCOSITY.check(self.viscosity)?);
         Ok(self.wedge_speed.inverse().at(PRESSURE.check(pressure)? / at_unit_speed) * CM_PER_S)
@@ -65,7 +65,7 @@ impl Oil {
     /// Drag of the film on a square metre, in Pa, at a velocity in m/s and a gap in m: eta V Kf / H (eq 171-7, 176-7).
     ///
     /// # Errors
-    /// Where viscosity or gap is not above 0, or the velocity outside of 0 ... 10 cm/s.
+    /// Where the viscosity is outside of 1e-6 ... 1e3 Pa s, the gap of 1e-9 ... 1e-2 m, or the velocity of 0 ... 10 cm/s.
     pub fn drag(&self, velocity: f64, gap: f64) -> Result<f64, SlidewayError> {
         let rate = VELOCITY.check(velocity)? / GAP.check(gap)?;
         Ok(VISCOSITY.check(self.viscosity)? * rate * DRAG_FACTOR.at(gap / UM))
@@ -99,13 +99,21 @@ impl Correction {
 }
 
 /// By how much viscosity grows under a pressure in Pa: it doubles every 35 MN/m2 (6.5 1e).
-pub fn thickening(pressure: f64) -> f64 {
-    (pressure / 35e6).exp2()
+///
+/// # Errors
+/// Outside of 0 ... 1e9 Pa.
+pub fn thickening(pressure: f64) -> Result<f64, SlidewayError> {
+    let pressure = Range::new("pressure on the oil", "Pa", 0.0, 1e9).check(pressure)?;
+    Ok((pressure / 35e6).exp2())
 }
 
 /// By how much viscosity changes with a rise of temperature in K: it halves every 10 K (6.5 1f).
-pub fn thinning(rise: f64) -> f64 {
-    (-rise / 10.0).exp2()
+///
+/// # Errors
+/// Outside of -100 ... 100 K.
+pub fn thinning(rise: f64) -> Result<f64, SlidewayError> {
+    let rise = Range::new("rise of temperature", "K", -100.0, 100.0).check(rise)?;
+    Ok((-rise / 10.0).exp2())
 }
 
 #[cfg(test)]
@@ -138,7 +146,8 @@ mod tests {
 
     #[test]
     fn viscosity_follows_pressure_and_temperature() {
-        assert_eq!((thickening(70e6), thinning(30.0)), (4.0, 0.125));
+        assert_eq!((thickening(70e6), thinning(30.0)), (Ok(4.0), Ok(0.125)));
+        assert!(thickening(-1.0).is_err() && thinning(f64::NAN).is_err());
     }
 
     proptest! {

@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SlidewayError {
     /// A quantity for which the law does not hold.
-    #[error("{} is {value} {}, and must be {}", range.quantity, range.unit, range.bounds())]
+    #[error("{} is {}, and must be {}", range.quantity, range.told(*value), range.bounds())]
     OutOfRange {
         /// What the value is outside of.
         range: Range,
@@ -64,6 +64,11 @@ impl Range {
         Range::new(quantity, unit, f64::MIN, f64::MAX)
     }
 
+    /// A value with its unit, if there is one.
+    fn told(&self, value: f64) -> String {
+        format!("{value} {}", self.unit).trim_end().to_owned()
+    }
+
     fn bounds(&self) -> String {
         match (self.low, self.high) {
             (f64::MIN, f64::MAX) => "a finite number".to_owned(),
@@ -85,6 +90,7 @@ mod tests {
         let told = |range: Range, value: f64| range.check(value).unwrap_err().to_string();
         assert_eq!(told(viscosity, 0.7), "viscosity is 0.7 Pa s, and must be 0.01 ... 0.6");
         assert_eq!(told(viscosity, f64::NAN), "viscosity is NaN Pa s, and must be 0.01 ... 0.6");
+        assert_eq!(told(Range::new("ratio", "", 0.0, 1.0), 2.0), "ratio is 2, and must be 0 ... 1");
         assert_eq!(told(Range::positive("mass", "kg"), 0.0), "mass is 0 kg, and must be above 0");
         assert_eq!(
             told(Range::not_negative("speed", "m/s"), -1.0),

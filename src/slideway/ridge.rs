@@ -4,9 +4,9 @@ use super::ellipse::CROSS_ANGLE;
 use super::units::UM;
 use super::{Range, SlidewayError};
 
-const WIDTH: Range = Range::positive("width of a ridge", "m");
-const HEIGHT: Range = Range::positive("height of a ridge", "m");
-const OVERLAP: Range = Range::not_negative("overlap", "m");
+const WIDTH: Range = Range::new("width of a ridge", "m", 1e-9, 0.1);
+const HEIGHT: Range = Range::new("height of a ridge", "m", 1e-9, 0.1);
+const OVERLAP: Range = Range::new("overlap", "m", 0.0, 1.0);
 
 /// The profile of a ridge (Fig 7.1): a triangle of base width B and height Z.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +24,7 @@ impl Ridge {
     /// Radius of the arc through both ends of the base and the crest, in m: R = (4 Z^2 + B^2) / (8 Z), eq 9-7.
     ///
     /// # Errors
-    /// Where width or height is not above 0.
+    /// Where width or height is outside of 1e-9 ... 0.1 m.
     pub fn radius(&self) -> Result<f64, SlidewayError> {
         let (width, height) = self.size()?;
         Ok((4.0 * height.powi(2) + width.powi(2)) / (8.0 * height))
@@ -34,7 +34,7 @@ impl Ridge {
     /// (h B / Z)^2 / (2 sin beta), eq 5-7.
     ///
     /// # Errors
-    /// Where it is no ridge, the overlap is below 0, or the angle outside of 30 ... 90 degrees.
+    /// Where it is no ridge, the overlap is outside of 0 ... 1 m, or the angle outside of 30 ... 90 degrees.
     pub fn overlap_area(&self, overlap: f64, angle: f64) -> Result<f64, SlidewayError> {
         let (width, height) = self.size()?;
         let diagonal = OVERLAP.check(overlap)? * width / height;
@@ -45,7 +45,7 @@ impl Ridge {
     /// that for the speed of approach (eq 104-7).
     ///
     /// # Errors
-    /// Where width or height is not above 0.
+    /// Where width or height is outside of 1e-9 ... 0.1 m.
     pub fn climb(&self) -> Result<f64, SlidewayError> {
         self.size().map(|(width, height)| height / width)
     }

@@ -6,8 +6,10 @@ use super::units::{CM, UM};
 use super::{Range, SlidewayError};
 
 const GAP: Range = Range::positive("height of the gap H", "m");
-const SPACING: Range = Range::positive("width of a range", "m");
-const FALL: Range = Range::not_negative("fall from ridge to ridge", "m");
+const SPACING: Range = Range::new("width of a range", "m", 1e-9, 1.0);
+const FALL: Range = Range::new("fall from ridge to ridge", "m", 0.0, 1e-3);
+/// Flatter wedges build up next to nothing, as a difference of two large numbers.
+const SLOPE: Range = Range::new("slope of the wedge m", "", 1e-3, 1e3);
 
 /// The profile of a range of ridges: as wide as the spacing, ridges falling by the same amount from one to the next on either side of
 /// its middle (Fig 7.6a, 7.26).
@@ -64,20 +66,32 @@ impl RangeProfile {
     /// The wedge that the ranges are taken for where the gap is H at least, in m.
     ///
     /// # Errors
-    /// What is no range, or a gap that is not above 0.
+    /// What is no range, a gap that is not above 0, or where m is outside of 0.001 ... 1000.
     pub fn wedge(&self, gap: f64) -> Result<Wedge, SlidewayError> {
-        Ok(Wedge { slope: self.depth()? / GAP.check(gap)? })
+        Wedge::new(self.depth()? / GAP.check(gap)?)
     }
 }
 
 /// A plain wedge of oil between surfaces that slide (Fig 7.27).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wedge {
-    /// m = H1 / H - 1, above 0: by how much it is higher where oil enters (eq 141-7).
-    pub slope: f64,
+    slope: f64,
 }
 
 impl Wedge {
+    /// A wedge with m = H1 / H - 1: by how much it is higher where oil enters (eq 141-7).
+    ///
+    /// # Errors
+    /// Outside of 0.001 ... 1000.
+    pub fn new(slope: f64) -> Result<Self, SlidewayError> {
+        Ok(Wedge { slope: SLOPE.check(slope)? })
+    }
+
+    /// Its slope m.
+    pub fn slope(&self) -> f64 {
+        self.slope
+    }
+
     /// Kp of the pressure PL = 6 eta V l Kp / H^2: ln(1 + m) / m^2 - 2 / (m (2 + m)) (eq 136-7, 142-7).
     pub fn pressure_factor(&self) -> f64 {
         let m = self.slope;
@@ -113,10 +127,10 @@ mod tests {
         near(profile.free_area().unwrap() / UM.powi(2), 27440.0, 2e-3);
         near(profile.touching_gap().unwrap() / UM, 5.48, 1e-3);
         let wedge = profile.wedge(5.48 * UM).unwrap();
-        near(wedge.slope, 0.54745, 1e-5);
+        near(wedge.slope(), 0.54745, 1e-5);
         near(wedge.pressure_factor(), 0.022709, 1e-4);
         near(wedge.drag_factor(), 0.76024, 1e-4);
-        assert!(profile.wedge(0.0).is_err());
+        assert!(profile.wedge(0.0).is_err() && Wedge::new(0.0).is_err());
     }
 
     #[test]

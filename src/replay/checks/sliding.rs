@@ -153,7 +153,7 @@ fn range_profile(given: &Given) -> Result<Finding, CheckError> {
         ("depth", |profile, _| Ok(profile.depth()? / UM)),
         ("free-area", |profile, _| Ok(profile.free_area()? / UM2)),
         ("touching-gap", |profile, _| Ok(profile.touching_gap()? / UM)),
-        ("slope", |profile, given| Ok(wedge(profile, given)?.slope)),
+        ("slope", |profile, given| Ok(wedge(profile, given)?.slope())),
         ("pressure-factor", |profile, given| Ok(wedge(profile, given)?.pressure_factor())),
         ("drag-factor", |profile, given| Ok(wedge(profile, given)?.drag_factor())),
     ];
@@ -325,5 +325,5 @@ fn polar_lowers(given: &Given) -> Result<Finding, CheckError> {
 /// By how much viscosity grows under p MN/m2, or changes with a rise of K.
 fn viscosity(given: &Given) -> Result<Finding, CheckError> {
     let (pressure, rise) = (given.number_or("p", 0.0)? * 1e6, given.number_or("rise", 0.0)?);
-    Ok(Finding::Number(thickening(pressure) * thinning(rise)))
+    Ok(Finding::Number(thickening(pressure)? * thinning(rise)?))
 }
