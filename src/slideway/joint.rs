@@ -43,8 +43,9 @@ impl Joint {
         leading_area: PowerLaw::new(9707.0, 0.82),
     };
 
-    /// The joint of a ridge and a metal whose ranges follow these laws. Half the area leads; until the joint slips it takes over
-    /// the other half's load, sinks by hd / hd' of eq 52-7 and grows by Kd / 2 for that (eq 55-7), worked out at 1 kgf/cm2.
+    /// The joint of a ridge and a metal whose ranges follow these laws. Half the area leads at rest. Until the joint slips it takes
+    /// over the load of the other half: it sinks by WT / Ka (eq 50-7) and grows by Kd / 2 times that (eq 54-7, 55-7), worked out at
+    /// 1 kgf/cm2.
     pub fn new(ridge: Ridge, material: Material, laws: &ContactLaws) -> Self {
         let area = laws.area.at(1.0);
         let growth = area / laws.overlap_of_area.at(area) / laws.overlap_of_area.exponent;
@@ -59,7 +60,9 @@ impl Joint {
     }
 
     /// The joint from geometry and metal alone: ridges that cross at right angles in ranges whose levels lie a step in m apart,
-    /// laws fitted to the sums over the levels of the study.
+    /// laws fitted to the sums over the levels of the study. Those levels stand for the loads of [`Joint::penetration`] on surfaces like
+    /// the study's; far softer, harder, rougher or smoother ones are best fitted over levels of their own
+    /// ([`ContactLaws::fitted`]).
     ///
     /// # Errors
     /// What is no ridge, no metal or no step.
