@@ -1,4 +1,4 @@
-//! The arguments of a check: "Tc=0.0065 K=45e6", in SI units.
+//! The arguments of a check: "Tc=0.0065 K=45e6", in SI units, or in those of the study (kgf, um, cm/s) where the check says so.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
