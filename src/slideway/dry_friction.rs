@@ -102,7 +102,7 @@ impl DryFriction {
     /// The joint at a velocity in m/s (Fig 7.19 ... 7.21).
     ///
     /// # Errors
-    /// Where the velocity is below 0 or not finite, and as [`DryFriction::at_frequency`].
+    /// Where the velocity is outside of 0 ... 100 m/s, and as [`DryFriction::at_frequency`].
     pub fn at_velocity(&self, velocity: f64) -> Result<DrySliding, SlidewayError> {
         if VELOCITY.check(velocity)? == 0.0 {
             return self.at_frequency(0.0);
@@ -124,10 +124,11 @@ impl DryFriction {
         Ok(8.0 / self.time_constant()? * length)
     }
 
-    /// Alpha at which the leading area bears its load at the pressure Px in Pa, in the sense of eq 129-7: (hd / hdv)^(1/0.22).
+    /// Alpha at which the leading area bears its load at the pressure Px in Pa, by the law of the area itself (eq 92-7, 128-7): 2.77
+    /// for the study's joint and 220 kgf/mm2. The study goes by way of the penetrations, which makes it 2.9 (eq 111-7).
     ///
     /// # Errors
-    /// Where a pressure is not within the laws of the joint, or that on the area not above 0.
+    /// Where the mean pressure is beyond the laws of the joint, or alpha would not be above 1.
     pub fn stiffening_at(joint: &Joint, pressure: f64, borne: f64) -> Result<f64, SlidewayError> {
         let borne = Range::positive("pressure on the leading area", "Pa").check(borne)?;
         let shrinking = joint.leading_share(PRESSURE.check(pressure)?)? * borne / pressure;
@@ -135,7 +136,8 @@ impl DryFriction {
     }
 }
 
-/// Penetration of a joint by its leading area on a square centimetre: in um and um2, hd = 0.077 AcL^0.27, as printed (eq 96-7); both handed over in m2 and m.
+/// Penetration in m of a joint by its leading area in m2 on a square centimetre: hd = 0.077 AcL^0.27 in um and um2, as printed
+/// (eq 96-7).
 ///
 /// # Errors
 /// Where the area is outside of 0 ... 1 m2.
