@@ -2,6 +2,7 @@
 
 use super::known::Known;
 use super::lane::Lane;
+use super::rows::Rows;
 use super::{Kernel, Layout};
 
 /// The numbers of a kernel that runs.
@@ -35,6 +36,8 @@ pub(crate) struct Frame<V> {
     pub(super) highs: Vec<V>,
     /// What was seen of the voltages that are followed.
     pub(super) extremes: Extremes<V>,
+    /// Room for blocks of steps.
+    pub(super) rows: Rows,
     /// A bit for every lane that counts: what is met in others is not looked at.
     pub(super) aboard: u64,
     /// A bit for every lane in which something was met at the end of quiet steps.
@@ -81,6 +84,7 @@ impl Kernel {
             lows: zeros(self.fences.len()),
             highs: zeros(self.fences.len()),
             extremes: Extremes::of(self.followed.len()),
+            rows: Rows::default(),
             aboard: 1,
             beyond: 0,
         }

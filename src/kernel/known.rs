@@ -77,6 +77,7 @@ impl Known {
             &self.ranges,
         );
         put_pairs(&mut frame.lows, &mut frame.highs, &self.fences);
+        frame.rows.forget_fences();
         self.can_be_used
     }
 }

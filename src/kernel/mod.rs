@@ -24,6 +24,8 @@ mod native;
 mod native;
 mod node;
 mod posts;
+#[cfg_attr(not(feature = "native"), allow(dead_code, reason = "native code alone goes steps blindly"))]
+mod rows;
 mod sides;
 mod step;
 mod store;
@@ -42,6 +44,7 @@ use crate::machines::REFERENCE;
 use crate::program::{ON_THE_KINK, Op, Program, Register, Sources};
 use code::{Code, Slot};
 use form::Factor;
+use rows::Columns;
 
 /// As long as no amplifier is asked for more than this, in volts, a kernel can hold. What stands just at its limit, by a
 /// diode, is not beyond it by rounding.
@@ -73,6 +76,8 @@ pub(crate) struct Kernel {
     pub watches: Vec<Watch>,
     corners: usize,
     fences: Vec<Fence>,
+    /// Where native code writes down what is looked at afterwards.
+    columns: Columns,
     /// So many numbers are given beside the coefficients.
     given: usize,
 }

@@ -106,6 +106,7 @@ impl Kernel {
 
     /// Puts the fences where the watches are that they stand for.
     pub(super) fn put_fences(&self, frame: &mut Frame<f64>) {
+        frame.rows.forget_fences();
         for (index, fence) in self.fences.iter().enumerate() {
             let mut range = [f64::NEG_INFINITY, f64::INFINITY];
             for Posted { watch, line } in &fence.watches {

@@ -398,14 +398,19 @@ fn kernels_that_are_used_are_kept() {
 }
 
 /// Integrators one after the other, so many of them.
-fn chain(count: usize) -> Kernel {
+fn chained(count: usize) -> Program {
     let mut builder = common::volts("chain");
     for number in 0..count {
         let before = format!("A{}", number.max(1) - 1);
         let integrator = common::element("integrator").cords("x1", [before.as_str()]);
         builder = builder.element(&format!("A{number}"), integrator);
     }
-    let program = common::built(builder);
+    common::built(builder)
+}
+
+/// Their kernel.
+fn chain(count: usize) -> Kernel {
+    let program = chained(count);
     let modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
     Kernel::new(&program, &modes, &[]).unwrap()
 }
@@ -434,4 +439,41 @@ fn native_code_is_made_of_kernels_of_moderate_size() {
 fn native_code_takes_no_frame_of_another_kernel() {
     let native = Native::new(&chain(2)).unwrap();
     native.look(&mut chain(1).frame(), &[], 1e-3);
+}
+
+/// Numbers that tell where a frame is and what it has seen, bit by bit.
+#[cfg(feature = "native")]
+fn bits(frame: &Frame<f64>) -> Vec<u64> {
+    let seen = frame.extremes.parts().into_iter().flatten();
+    let all = frame.states.iter().chain(&frame.rates).chain(seen).chain([&frame.time]);
+    all.map(|number| number.to_bits()).collect()
+}
+
+/// Native steps judge blocks of them afterwards: they stop where steps that are looked at one by one do.
+#[cfg(feature = "native")]
+#[test]
+fn native_steps_stop_before_the_step_in_which_something_is_met() {
+    let mut dice = Dice(29);
+    let mut stopped = [0; 2];
+    // Of the second a row fills more than is kept near the processor.
+    for (program, points_drawn) in [(program(&common::slideway()), 100), (chained(400), 5)] {
+        let mut points = Points::new(&program);
+        for _ in 0..points_drawn {
+            points.draw(&mut dice);
+            let kernel = Kernel::new(&program, &points.modes, &outlets(&program)).unwrap();
+            let Some(mut alone) = points.frame(&kernel) else { continue };
+            kernel.show(&mut alone, &program.tables);
+            alone.stand();
+            alone.see_anew();
+            let mut native = alone.clone();
+            let grid = Grid::new(10f64.powf(dice.even(-6.0, -3.0)));
+            let steps = Steps { begin: alone.time, grid, first: 1, count: 200 };
+            let gone = kernel.steps(&mut alone, &program.tables, &steps);
+            let code = Native::new(&kernel).unwrap();
+            assert_eq!(code.steps(&kernel, &mut native, &program.tables, &steps), gone);
+            assert_eq!(bits(&native), bits(&alone), "after {gone} steps");
+            stopped[usize::from(gone < steps.count)] += 1;
+        }
+    }
+    assert!(stopped.iter().all(|often| *often >= 10), "{stopped:?}");
 }

@@ -57,7 +57,7 @@ impl Glider {
         }
         let program = machine.program;
         let folded = program.kernels.of(program, &machine.modes, &self.seen)?;
-        let frame = folded.kernel.frame();
+        let frame = folded.kernel.frame().with_rows(&folded.kernel);
         if self.flights.len() == MOST_FLIGHTS {
             self.flights.remove(0);
         }
@@ -218,10 +218,15 @@ impl Machine<'_> {
         witness: &mut impl Witness,
     ) -> u64 {
         let mut gone = 0;
+        let (mut sample, mut before_sample) = (f64::NAN, 0);
         while gone < steps.count {
             let left = steps.after(gone);
+            if witness.next_sample() != sample {
+                sample = witness.next_sample();
+                before_sample = gone + left.until(sample);
+            }
             // Dust is swept on a grid of its own, so that what is recorded changes nothing.
-            let count = left.until(witness.next_sample()).min(left.up_to_multiple_of(SWEPT));
+            let count = before_sample.saturating_sub(gone).min(left.up_to_multiple_of(SWEPT));
             let block = Steps { count: if meets { 0 } else { count }, ..left };
             let done = flight.steps(&self.program.tables, &block);
             meets = false;

@@ -17,6 +17,8 @@ pub(super) struct Recorder<'a> {
     probes: Vec<Probe>,
     grid: Grid,
     next: u64,
+    /// When that is.
+    next_time: f64,
     /// Its clock less problem time: how long this sweep was held.
     held: f64,
     /// Whether a sweep has begun since the last initial condition.
@@ -83,6 +85,7 @@ impl<'a> Recorder<'a> {
             probes,
             grid: Grid::new(settings.every),
             next: 0,
+            next_time: 0.0,
             held: 0.0,
             running: false,
             is_fresh: false,
@@ -113,7 +116,8 @@ impl<'a> Recorder<'a> {
     pub fn show(&mut self, machine: &Machine<'_>) {
         if !self.running {
             self.trace.sweeps.push(Sweep { first: self.trace.time.len(), ..Sweep::default() });
-            (self.next, self.held, self.running, self.is_fresh) = (1, 0.0, true, false);
+            (self.held, self.running, self.is_fresh) = (0.0, true, false);
+            self.wait_for(1);
             // What is lit already lit in initial condition.
             self.lit = machine.lamps.iter().map(|lamp| lamp.map(|_| 0.0)).collect();
         }
@@ -167,7 +171,7 @@ impl<'a> Recorder<'a> {
         self.is_fresh = false;
         while let Some(time) = self.next_before(end * (1.0 + SAME)) {
             self.write(time, machine, Instant::Now);
-            self.next += 1;
+            self.wait_for(self.next + 1);
             self.is_fresh = time > end * (1.0 - SAME);
         }
         self.held += time;
@@ -205,8 +209,11 @@ impl<'a> Recorder<'a> {
 
     /// The next instant of the grid, if it comes before a time.
     fn next_before(&self, end: f64) -> Option<f64> {
-        let time = self.grid.time(self.next);
-        (time < end).then_some(time)
+        (self.next_time < end).then_some(self.next_time)
+    }
+
+    fn wait_for(&mut self, next: u64) {
+        (self.next, self.next_time) = (next, self.grid.time(next));
     }
 
     fn write(&mut self, time: f64, machine: &Machine<'_>, instant: Instant) {
@@ -225,13 +232,12 @@ impl<'a> Recorder<'a> {
         self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(run, time, value));
     }
 
-    /// Writes down what a flight has worked out last.
+    /// Writes down what a flight has worked out last. How far it went is seen when the flight ends.
     fn write_seen(&mut self, time: f64, flight: &Flight) {
-        let run = self.trace.sweeps.len() - 1;
         self.trace.time.push(time);
         let values = self.trace.tracks.iter_mut().zip(flight.seen());
-        values.for_each(|(track, volts)| track.record(run, time, volts));
-        self.next += 1;
+        values.for_each(|(track, volts)| track.volts.push(volts));
+        self.wait_for(self.next + 1);
     }
 
     /// The instant of the grid that the machine has come to, if it has.
@@ -273,7 +279,7 @@ impl Witness for Recorder<'_> {
         while let Some(time) = self.next_before(self.clock(machine) * (1.0 - SAME)) {
             machine.look_back(time - self.held);
             self.write(time, machine, Instant::Then);
-            self.next += 1;
+            self.wait_for(self.next + 1);
         }
         self.see_turns(machine);
         self.see(machine);
@@ -298,13 +304,13 @@ impl Witness for Recorder<'_> {
         self.is_fresh = due.is_some();
         if let Some(time) = due {
             self.write(time, machine, Instant::Now);
-            self.next += 1;
+            self.wait_for(self.next + 1);
         }
         self.tell_progress(machine);
     }
 
     fn next_sample(&self) -> f64 {
-        self.grid.time(self.next) - self.held
+        self.next_time - self.held
     }
 
     /// Writes down the instants of the grid within the last quiet step, and at its end.

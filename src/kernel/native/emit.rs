@@ -8,6 +8,7 @@ use cranelift_codegen::ir::{Block, FuncRef, InstBuilder, MemFlagsData, Value, ty
 use cranelift_frontend::FunctionBuilder;
 
 use super::super::code::Slot;
+use super::super::step::SIXTH;
 use super::super::{Checks, Kernel};
 use super::Memory;
 
@@ -29,8 +30,11 @@ pub(super) struct Emitter<'a, 'f> {
     /// The states and their rates.
     pub states: Value,
     pub rates: Value,
-    /// Of a step, a few of both that are at hand.
-    carried: Vec<[Value; 2]>,
+    /// Of a step, the row in which it begins.
+    pub row: Option<Value>,
+    /// The states that the first stage of a step tries, where they are few: worked out in the step before, from what is
+    /// still at hand.
+    tried: Vec<Value>,
     /// The values of the slots that were worked out or loaded in this stage.
     pub values: Vec<Option<Value>>,
     /// The beginnings of sums that were worked out in this stage.
@@ -70,7 +74,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
             stage: 0,
             states,
             rates,
-            carried: Vec::new(),
+            row: None,
+            tried: Vec::new(),
             values,
             sums: HashMap::new(),
             met,
@@ -93,49 +98,43 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.build.ins().store(MemFlagsData::trusted(), value, base, 8 * index as i32);
     }
 
-    /// The loop over the steps. When a step ends is worked out in the step before it, as that takes long. A few states and
-    /// rates are carried in registers; more stand in memory.
+    /// The loop over the steps. When a step ends is worked out in the step before it, as that takes long; so is what its first
+    /// stage tries.
     pub fn steps(mut self) {
+        let kernel = self.kernel;
         let [first, all] = [offset_of!(Memory, first), offset_of!(Memory, count)]
             .map(|offset| self.of_memory(types::I64, offset));
-        let states = if self.kernel.rates.len() > MOST_CARRIED { 0 } else { self.kernel.rates.len() };
+        let row = self.of_memory(self.pointer, offset_of!(Memory, rows));
+        let time = self.of_memory(types::F64, offset_of!(Memory, time));
         let zero = self.build.ins().iconst(types::I64, 0);
-        // Written when the code is left.
-        let time = self.load(self.memory, offset_of!(Memory, time) / 8);
-        let mut start = vec![zero, time];
-        for index in 0..states {
-            start.extend([self.states, self.rates].map(|base| self.load(base, index)));
-        }
-        let head = self.build.create_block();
-        for block in [self.met, head] {
-            for value in &start {
-                let of = self.build.func.dfg.value_type(*value);
-                self.build.append_block_param(block, of);
-            }
-        }
-        self.build.append_block_param(head, types::F64);
         let end = self.end_of(zero, first);
-        self.jump(head, &[&start[..], &[end]].concat());
+        self.row = Some(row);
+        let states: Vec<Value> = (0..kernel.rates.len()).map(|index| self.state(index)).collect();
+        let rates: Vec<Value> = (0..kernel.rates.len()).map(|index| self.rate(index)).collect();
+        let tried = self.tried_first([time, end], &states, &rates);
+        let start = [&[zero, row, time, end], &tried[..]].concat();
+        let head = self.build.create_block();
+        for value in &start {
+            let of = self.build.func.dfg.value_type(*value);
+            self.build.append_block_param(head, of);
+        }
+        self.jump(head, &start);
 
         self.build.switch_to_block(head);
-        let mut here: Vec<Value> = self.build.block_params(head).to_vec();
-        let end = here.pop().expect("the end of the step comes last");
-        let next = self.build.ins().iadd_imm_s(here[0], 1);
-        let is_done = self.build.ins().icmp(IntCC::UnsignedGreaterThanOrEqual, here[0], all);
-        self.leave_if(is_done, &here);
-        let after_next = self.end_of(next, first);
-        let carried = self.step(&here, end);
-        self.jump(head, &[&[next, end], &carried[..], &[after_next]].concat());
-
-        self.build.switch_to_block(self.met);
-        let left: Vec<Value> = self.build.block_params(self.met).to_vec();
-        let offset = offset_of!(Memory, time) as i32;
-        self.build.ins().store(MemFlagsData::trusted(), left[1], self.memory, offset);
-        for (index, carried) in left[2..].chunks(2).enumerate() {
-            self.store(carried[0], self.states, index);
-            self.store(carried[1], self.rates, index);
-        }
-        self.build.ins().return_(&[left[0]]);
+        let here: Vec<Value> = self.build.block_params(head).to_vec();
+        let [gone, row, time, end] = [here[0], here[1], here[2], here[3]];
+        (self.row, self.tried) = (Some(row), here[4..].to_vec());
+        let is_done = self.build.ins().icmp(IntCC::UnsignedGreaterThanOrEqual, gone, all);
+        let on = self.build.create_block();
+        self.build.ins().brif(is_done, self.met, &[], on, &[]);
+        self.build.switch_to_block(on);
+        let next = self.build.ins().iadd_imm_s(gone, 1);
+        let end_of_next = self.end_of(next, first);
+        let next_row = self.build.ins().iadd_imm_s(row, 8 * self.kernel.columns.width as i64);
+        let [states, rates] = self.step([time, end], next_row);
+        let tried = self.tried_first([end, end_of_next], &states, &rates);
+        self.jump(head, &[&[next, next_row, end, end_of_next], &tried[..]].concat());
+        self.leave_with(0);
     }
 
     fn jump(&mut self, block: Block, values: &[Value]) {
@@ -143,48 +142,61 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.build.ins().jump(block, &values);
     }
 
-    /// Leaves the code with what stands at the beginning of the step, if something holds.
-    pub fn leave_if(&mut self, holds: Value, here: &[Value]) {
-        let next = self.build.create_block();
-        let here: Vec<_> = here.iter().copied().map(Into::into).collect();
-        self.build.ins().brif(holds, self.met, &here, next, &[]);
-        self.build.switch_to_block(next);
-    }
-
-    /// One step, from its number, its time and what is carried, to what is carried on from its end.
-    fn step(&mut self, here: &[Value], end: Value) -> Vec<Value> {
-        let kernel = self.kernel;
-        let time = here[1];
-        self.carried = here[2..].chunks(2).map(|pair| [pair[0], pair[1]]).collect();
-        let length = self.build.ins().fsub(end, time);
-        let (after, rates, ()) = self.stages([time, length, end], &kernel.quick, |emitter| {
-            emitter.leave_beyond_fences(kernel.quick.in_middle, here);
-        });
-        self.leave_beyond_fences(kernel.quick.all, here);
-        self.see(end);
-        self.keep();
-        if self.carried.is_empty() {
-            for index in 0..after.len() {
-                self.store(after[index], self.states, index);
-                self.store(rates[index], self.rates, index);
-            }
+    /// What the first stage of a step between two times tries; nothing of many states, which no registers hold.
+    fn tried_first(&mut self, [time, end]: [Value; 2], states: &[Value], rates: &[Value]) -> Vec<Value> {
+        if states.len() > MOST_CARRIED {
             return Vec::new();
         }
-        after.into_iter().zip(rates).flat_map(|(state, rate)| [state, rate]).collect()
+        let length = self.build.ins().fsub(end, time);
+        let half = self.half_of(length);
+        let pairs = states.iter().zip(rates);
+        pairs.map(|(state, rate)| self.build.ins().fma(*rate, half, *state)).collect()
     }
 
-    /// A state at the beginning of the step.
+    fn half_of(&mut self, length: Value) -> Value {
+        let a_half = self.of_memory(types::F64, offset_of!(Memory, half));
+        self.build.ins().fmul(a_half, length)
+    }
+
+    /// One step between two times, written down in a row: states and rates at its end.
+    fn step(&mut self, [time, end]: [Value; 2], next: Value) -> [Vec<Value>; 2] {
+        let kernel = self.kernel;
+        let columns = &kernel.columns;
+        let length = self.build.ins().fsub(end, time);
+        let (after, rates, ()) = self.stages([time, length, end], &kernel.quick, |emitter| {
+            for (index, slot) in columns.middles.iter().enumerate() {
+                emitter.write_down(*slot, next, columns.ends.len() + index);
+            }
+        });
+        for (column, slot) in columns.ends.iter().enumerate() {
+            self.write_down(*slot, next, column);
+        }
+        for (index, rate) in rates.iter().enumerate() {
+            self.store(*rate, next, columns.rates + index);
+        }
+        for (index, slot) in kernel.kept.iter().enumerate() {
+            self.write_down(*slot, next, columns.kept + index);
+        }
+        [after, rates]
+    }
+
+    fn write_down(&mut self, slot: Slot, row: Value, column: usize) {
+        let value = self.get(slot);
+        self.store(value, row, column);
+    }
+
+    /// A state where it begins.
     fn state(&mut self, index: usize) -> Value {
-        match self.carried.get(index) {
-            Some([state, _]) => *state,
+        match self.row {
+            Some(row) => self.load(row, self.kernel.columns.states[index]),
             None => self.load(self.states, index),
         }
     }
 
     /// Its rate there.
     fn rate(&mut self, index: usize) -> Value {
-        match self.carried.get(index) {
-            Some([_, rate]) => *rate,
+        match self.row {
+            Some(row) => self.load(row, self.kernel.columns.rates + index),
             None => self.load(self.rates, index),
         }
     }
@@ -253,36 +265,27 @@ impl<'a, 'f> Emitter<'a, 'f> {
         checks: &Checks,
         in_the_middle: impl FnOnce(&mut Self) -> T,
     ) -> (Vec<Value>, Vec<Value>, T) {
-        let kernel = self.kernel;
-        let a_half = self.of_memory(types::F64, offset_of!(Memory, half));
-        let half = self.build.ins().fmul(a_half, length);
+        let half = self.half_of(length);
         let middle = self.build.ins().fadd(time, half);
-        let rates: Vec<Value> = (0..kernel.rates.len()).map(|index| self.rate(index)).collect();
-        let second = self.stage(0, &rates, half, middle);
+        let second = self.first_stage(half, middle);
         let third = self.stage(1, &second, half, middle);
         let two = self.of_memory(types::F64, offset_of!(Memory, two));
+        let a_sixth = self.number(SIXTH);
+        let sixth = self.build.ins().fmul(length, a_sixth);
         // All but the last rate, on which everything waits.
-        let sums: Vec<Value> = (0..rates.len())
+        let ways: Vec<Value> = (0..second.len())
             .map(|index| {
                 let inner = self.build.ins().fadd(second[index], third[index]);
-                let rate = self.rate(index);
-                self.build.ins().fma(inner, two, rate)
+                let [state, rate] = [self.state(index), self.rate(index)];
+                let rates = self.build.ins().fma(inner, two, rate);
+                self.build.ins().fma(rates, sixth, state)
             })
             .collect();
         self.run(&checks.middle);
         let seen = in_the_middle(self);
         let fourth = self.stage(2, &third, length, end);
-        let six = self.number(6.0);
-        let sixth = self.build.ins().fdiv(length, six);
-        let after: Vec<Value> = (0..sums.len())
-            .map(|index| {
-                let rate = self.build.ins().fadd(sums[index], fourth[index]);
-                let state = self.state(index);
-                // Rounded before it is added: straight lines stay exact.
-                let way = self.build.ins().fmul(rate, sixth);
-                self.build.ins().fadd(state, way)
-            })
-            .collect();
+        let pairs = fourth.into_iter().zip(ways);
+        let after: Vec<Value> = pairs.map(|(rate, way)| self.build.ins().fma(rate, sixth, way)).collect();
         let rates = self.evaluate(3, &after, end);
         self.run(&checks.middle);
         self.run(&checks.ending);
@@ -299,6 +302,16 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let times = self.build.ins().fmul(number, step);
         let time = self.build.ins().fdiv(times, per_second);
         self.build.ins().fadd(begin, time)
+    }
+
+    /// The rates of the first stage.
+    fn first_stage(&mut self, half: Value, middle: Value) -> Vec<Value> {
+        if self.tried.is_empty() {
+            let rates: Vec<Value> = (0..self.kernel.rates.len()).map(|index| self.rate(index)).collect();
+            return self.stage(0, &rates, half, middle);
+        }
+        let tried = std::mem::take(&mut self.tried);
+        self.evaluate(0, &tried, middle)
     }
 
     /// The rates of a stage that stands some length of the way along rates.

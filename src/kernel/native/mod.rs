@@ -20,7 +20,7 @@ use cranelift_module::{FuncId, Linkage, Module, ModuleError, default_libcall_nam
 
 use super::Kernel;
 use super::code::Instruction;
-use super::frame::{Extremes, Frame};
+use super::frame::Frame;
 use super::step::{Look, Steps};
 use crate::patch::Function;
 use crate::program::Number;
@@ -43,7 +43,7 @@ pub(crate) struct Native {
 type Entry = unsafe extern "C" fn(*mut Memory) -> u64;
 
 /// How many numbers stand behind each pointer to a frame.
-type Lengths = [usize; 13];
+type Lengths = [usize; 7];
 
 /// What the code reaches.
 #[repr(C)]
@@ -55,12 +55,6 @@ struct Memory {
     rates: *mut f64,
     slopes: *const f64,
     rooms: *const f64,
-    lows: *const f64,
-    highs: *const f64,
-    least: *mut f64,
-    least_at: *mut f64,
-    most: *mut f64,
-    most_at: *mut f64,
     /// Of a look, and of what is worked out at the slots: rates and what is left of the watches at its end.
     rates_ahead: *mut f64,
     rests: *mut f64,
@@ -68,6 +62,8 @@ struct Memory {
     length: f64,
     end: f64,
     tables: *const Vec<[f64; 2]>,
+    /// Of steps: the row in which they begin, before as many others as there are steps.
+    rows: *mut f64,
     time: f64,
     begin: f64,
     /// What the number of a step is multiplied by, then divided by.
@@ -91,20 +87,46 @@ impl Native {
     }
 
     /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
-    pub fn steps(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
+    pub fn steps(
+        &self,
+        kernel: &Kernel,
+        frame: &mut Frame<f64>,
+        tables: &[Vec<[f64; 2]>],
+        steps: &Steps,
+    ) -> u64 {
+        let mut gone = 0;
+        frame.rows.make_room(&kernel.columns);
+        while gone < steps.count {
+            let left = steps.after(gone);
+            let block = Steps { count: frame.rows.next_of(&kernel.columns, left.count), ..left };
+            let quiet = self.block(kernel, frame, tables, &block);
+            gone += quiet;
+            if quiet < block.count {
+                break;
+            }
+        }
+        gone
+    }
+
+    /// The same of no more steps than there is room for in the rows.
+    fn block(&self, kernel: &Kernel, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
+        frame.begin_rows(kernel);
+        assert!(
+            frame.rows.numbers_mut().len() >= kernel.columns.width * (steps.count as usize + 1),
+            "more steps than rows"
+        );
         let (step, per_second) = steps.grid.numbers();
-        let (gone, time) = self.enter(self.run, frame, tables, |memory| {
+        self.enter(self.run, frame, tables, |memory| {
             let (begin, first, count) = (steps.begin, steps.first, steps.count);
             Memory { begin, step, per_second, first, count, ..memory }
         });
-        frame.time = time;
-        gone
+        frame.judge_rows(kernel, steps)
     }
 
     /// Looks ahead by a step of this length.
     pub fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> Look {
         let end = frame.time + length;
-        match self.enter(self.look, frame, tables, |memory| Memory { length, end, ..memory }).0 {
+        match self.enter(self.look, frame, tables, |memory| Memory { length, end, ..memory }) {
             0 => Look::Quiet,
             1 => Look::Within,
             _ => Look::Ahead,
@@ -116,46 +138,29 @@ impl Native {
         self.enter(self.at_slots, frame, tables, |memory| memory);
     }
 
-    /// Runs code of this kernel on a frame and tables, told what to do in its memory: what it gives, and the time to which
-    /// it came.
+    /// Runs code of this kernel on a frame and tables, told what to do in its memory: what it gives.
     fn enter(
         &self,
         code: Entry,
         frame: &mut Frame<f64>,
         tables: &[Vec<[f64; 2]>],
         told: impl FnOnce(Memory) -> Memory,
-    ) -> (u64, f64) {
+    ) -> u64 {
         // One by one: arrays would be written down before they are compared.
         let fits =
             lengths(frame).into_iter().zip(self.lengths).fold(true, |all, (own, made)| all & (own == made));
         assert!(fits && tables.len() >= self.tables, "a frame of another kernel");
         let mut memory = told(memory(frame, tables));
-        // SAFETY: the code reaches places below the lengths for which it was made, which were compared; frame and tables
-        // are borrowed until it is done.
-        let given = unsafe { code(&raw mut memory) };
-        (given, memory.time)
+        // SAFETY: the code reaches places below the lengths for which it was made, which were compared, and as many rows as it
+        // is told, which `block` has seen to be there; frame and tables are borrowed until it is done.
+        unsafe { code(&raw mut memory) }
     }
 }
 
 /// How many numbers of a frame the code may reach.
 fn lengths(frame: &Frame<f64>) -> Lengths {
-    let Extremes { least, least_at, most, most_at } = &frame.extremes;
-    [
-        &frame.slots,
-        &frame.states,
-        &frame.rates,
-        &frame.slopes,
-        &frame.rooms,
-        &frame.lows,
-        &frame.highs,
-        least,
-        least_at,
-        most,
-        most_at,
-        &frame.stages[3],
-        &frame.rests,
-    ]
-    .map(Vec::len)
+    [&frame.slots, &frame.states, &frame.rates, &frame.slopes, &frame.rooms, &frame.stages[3], &frame.rests]
+        .map(Vec::len)
 }
 
 /// How many tables of a program, the first, hold all that a kernel looks up.
@@ -172,24 +177,18 @@ fn tables(kernel: &Kernel) -> usize {
 
 /// The numbers of a frame; nothing is told yet of steps or of a look.
 fn memory(frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) -> Memory {
-    let Extremes { least, least_at, most, most_at } = &mut frame.extremes;
     Memory {
         slots: [frame.slots.as_mut_ptr(); 5],
         states: frame.states.as_mut_ptr(),
         rates: frame.rates.as_mut_ptr(),
         slopes: frame.slopes.as_ptr(),
         rooms: frame.rooms.as_ptr(),
-        lows: frame.lows.as_ptr(),
-        highs: frame.highs.as_ptr(),
-        least: least.as_mut_ptr(),
-        least_at: least_at.as_mut_ptr(),
-        most: most.as_mut_ptr(),
-        most_at: most_at.as_mut_ptr(),
         rates_ahead: frame.stages[3].as_mut_ptr(),
         rests: frame.rests.as_mut_ptr(),
         length: 0.0,
         end: 0.0,
         tables: tables.as_ptr(),
+        rows: frame.rows.numbers_mut().as_mut_ptr(),
         time: frame.time,
         begin: 0.0,
         step: 0.0,

@@ -3,7 +3,7 @@
 use std::mem::offset_of;
 
 use cranelift_codegen::ir::condcodes::FloatCC;
-use cranelift_codegen::ir::{InstBuilder, MemFlagsData, Value, types};
+use cranelift_codegen::ir::{InstBuilder, Value, types};
 
 use super::super::code::{Code, Instruction, Slot};
 use super::Memory;
@@ -16,15 +16,14 @@ impl Emitter<'_, '_> {
         if let Some(value) = self.values[place] {
             return value;
         }
-        // Factors and noise never change while the code runs; kept values change between steps.
-        let flags = if (self.kernel.layout.kept..self.kernel.layout.noise).contains(&place) {
-            MemFlagsData::trusted()
-        } else {
-            constant()
-        };
-        let value = match self.kernel.number(slot) {
-            Some(value) if value.to_bits() == 0 => self.number(0.0),
-            _ => self.build.ins().load(types::F64, flags, self.slots[self.stage], 8 * slot as i32),
+        let kept = self.kernel.layout.kept..self.kernel.layout.noise;
+        let value = match (self.kernel.number(slot), self.row) {
+            (Some(value), _) if value.to_bits() == 0 => self.number(0.0),
+            (_, Some(row)) if kept.contains(&place) => {
+                self.load(row, self.kernel.columns.kept + place - kept.start)
+            }
+            // Factors, noise and what is kept without a row never change while the code runs.
+            _ => self.build.ins().load(types::F64, constant(), self.slots[self.stage], 8 * slot as i32),
         };
         self.values[place] = Some(value);
         value
