@@ -31,6 +31,11 @@ impl Backend {
         matches!(self, Backend::Lanes | Backend::Automatic)
     }
 
+    /// Whether it may take steps as native code.
+    pub(crate) fn may_be_native(self) -> bool {
+        matches!(self, Backend::Native | Backend::Automatic)
+    }
+
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {

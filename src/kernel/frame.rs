@@ -36,7 +36,7 @@ pub(crate) struct Frame<V> {
     pub(super) highs: Vec<V>,
     /// What was seen of the voltages that are followed.
     pub(super) extremes: Extremes<V>,
-    /// Room for blocks of steps.
+    /// Room for blocks of steps that native code goes blindly; nothing where none does.
     pub(super) rows: Rows,
     /// A bit for every lane that counts: what is met in others is not looked at.
     pub(super) aboard: u64,

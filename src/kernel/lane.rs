@@ -111,20 +111,6 @@ impl<const N: usize> Abreast<N> {
     }
 }
 
-impl<const N: usize> From<[f64; N]> for Abreast<N> {
-    #[inline(always)]
-    fn from(numbers: [f64; N]) -> Self {
-        Abreast(numbers)
-    }
-}
-
-impl<const N: usize> Abreast<N> {
-    #[inline(always)]
-    pub fn numbers(self) -> [f64; N] {
-        self.0
-    }
-}
-
 impl<const N: usize> Lane for Abreast<N> {
     // 1 where it holds, else 0: it is kept where the numbers are.
     type Truth = Self;

@@ -6,7 +6,6 @@ use super::code::{Code, Instruction, Slot};
 use super::fold::{At, Corner, Terms};
 use super::form::{Atom, Factor, Form};
 use super::node::{Node, Operand, atoms, needed};
-use super::rows::Columns;
 use super::{Checks, Kernel, Layout, Watch, Watched};
 use crate::program::{Op, Program};
 
@@ -124,7 +123,7 @@ impl Layouter {
         let watched_atoms: Vec<Atom> = watched.iter().map(|(atom, _)| *atom).collect();
         let corners = watched.iter().filter(|(_, what)| what.is_corner()).count();
         let slot = |atom: Atom| self.slots[atom as usize];
-        let kernel = Kernel {
+        Kernel {
             layout: self.layout,
             moving,
             quick: self.checks(&done, &fences.atoms, fences.in_middle, followed.iter().copied()),
@@ -136,13 +135,11 @@ impl Layouter {
             watches: watched.into_iter().map(|(atom, what)| Watch { slot: slot(atom), what }).collect(),
             corners,
             fences: fences.all,
-            columns: Columns::default(),
             still: folded.bounds.still.clone(),
             given: folded.early.given as usize,
             early: self.folded.early.ops,
             factors: self.factors,
-        };
-        Kernel { columns: Columns::of(&kernel), ..kernel }
+        }
     }
 
     /// What is watched, and how much of it, the first, in the middle of a step too.

@@ -44,7 +44,6 @@ use crate::machines::REFERENCE;
 use crate::program::{ON_THE_KINK, Op, Program, Register, Sources};
 use code::{Code, Slot};
 use form::Factor;
-use rows::Columns;
 
 /// As long as no amplifier is asked for more than this, in volts, a kernel can hold. What stands just at its limit, by a
 /// diode, is not beyond it by rounding.
@@ -76,8 +75,6 @@ pub(crate) struct Kernel {
     pub watches: Vec<Watch>,
     corners: usize,
     fences: Vec<Fence>,
-    /// Where native code writes down what is looked at afterwards.
-    columns: Columns,
     /// So many numbers are given beside the coefficients.
     given: usize,
 }

@@ -13,7 +13,7 @@ impl Native {
         None
     }
 
-    pub fn steps(&self, _: &Kernel, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: &Steps) -> u64 {
+    pub fn steps(&self, _: &mut Frame<f64>, _: &[Vec<[f64; 2]>], _: &Steps) -> u64 {
         match *self {}
     }
 

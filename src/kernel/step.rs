@@ -7,7 +7,7 @@ use super::lane::Lane;
 use super::{Checks, Kernel};
 use crate::grid::{Grid, SAME};
 
-/// What a length is multiplied by to be weighed: a product is quicker than a quotient.
+/// The share of a step's length for which its first rate counts, and its last. Multiplied by: a quotient takes longer.
 pub(super) const SIXTH: f64 = 1.0 / 6.0;
 
 /// What a look ahead met.
@@ -65,7 +65,7 @@ impl Kernel {
         let two = V::splat(2.0);
         for state in 0..frame.states.len() {
             let [second, third, fourth] = [0, 1, 2].map(|stage| frame.stages[stage][state]);
-            // The last rate is added last, as everything waits for it.
+            // The last rate is added last, in one operation, as everything waits for it; so a constant rate is rounded twice.
             let rates = second.add(third).multiply_add(two, frame.rates[state]);
             let way = rates.multiply_add(sixth, frame.states[state]);
             frame.slots[self.layout.states + state] = fourth.multiply_add(sixth, way);

@@ -90,7 +90,7 @@ impl Folded {
         backend: Backend,
     ) -> u64 {
         if let Some(native) = self.native(backend) {
-            return native.steps(&self.kernel, frame, tables, steps);
+            return native.steps(frame, tables, steps);
         }
         let gone = self.kernel.steps(frame, tables, steps);
         self.count(gone, backend);

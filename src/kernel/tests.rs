@@ -441,11 +441,20 @@ fn native_code_takes_no_frame_of_another_kernel() {
     native.look(&mut chain(1).frame(), &[], 1e-3);
 }
 
+#[cfg(feature = "native")]
+#[test]
+#[should_panic(expected = "a frame of another kernel")]
+fn native_steps_take_no_frame_of_another_kernel() {
+    let steps = Steps { begin: 0.0, grid: Grid::new(1e-3), first: 1, count: 10 };
+    Native::new(&chain(1)).unwrap().steps(&mut chain(2).frame(), &[], &steps);
+}
+
 /// Numbers that tell where a frame is and what it has seen, bit by bit.
 #[cfg(feature = "native")]
-fn bits(frame: &Frame<f64>) -> Vec<u64> {
+fn bits(kernel: &Kernel, frame: &Frame<f64>) -> Vec<u64> {
     let seen = frame.extremes.parts().into_iter().flatten();
-    let all = frame.states.iter().chain(&frame.rates).chain(seen).chain([&frame.time]);
+    let moving = frame.states.iter().chain(&frame.rates).chain(frame.kept(kernel));
+    let all = moving.chain(seen).chain([&frame.time]);
     all.map(|number| number.to_bits()).collect()
 }
 
@@ -455,8 +464,18 @@ fn bits(frame: &Frame<f64>) -> Vec<u64> {
 fn native_steps_stop_before_the_step_in_which_something_is_met() {
     let mut dice = Dice(29);
     let mut stopped = [0; 2];
-    // Of the second a row fills more than is kept near the processor.
-    for (program, points_drawn) in [(program(&common::slideway()), 100), (chained(400), 5)] {
+    let still = common::volts("still").element("S", common::element("summer").cords("x1", ["+100"]));
+    let play = common::element("backlash").cord("in", "A").set("width", 10);
+    let kept = common::volts("kept").element("B", play);
+    let kept = kept.element("A", common::element("integrator").cords("x1", ["B"]).set("initial", 20));
+    let programs = [
+        (program(&common::slideway()), 100),
+        (common::built(kept), 50),
+        // So wide that few rows stay near the processor; and one without anything to look at.
+        (chained(400), 5),
+        (common::built(still), 1),
+    ];
+    for (program, points_drawn) in programs {
         let mut points = Points::new(&program);
         for _ in 0..points_drawn {
             points.draw(&mut dice);
@@ -470,8 +489,9 @@ fn native_steps_stop_before_the_step_in_which_something_is_met() {
             let steps = Steps { begin: alone.time, grid, first: 1, count: 200 };
             let gone = kernel.steps(&mut alone, &program.tables, &steps);
             let code = Native::new(&kernel).unwrap();
-            assert_eq!(code.steps(&kernel, &mut native, &program.tables, &steps), gone);
-            assert_eq!(bits(&native), bits(&alone), "after {gone} steps");
+            assert_eq!(code.steps(&mut native, &program.tables, &steps), gone);
+            let [native, alone] = [&native, &alone].map(|frame| bits(&kernel, frame));
+            assert_eq!(native, alone, "after {gone} steps");
             stopped[usize::from(gone < steps.count)] += 1;
         }
     }

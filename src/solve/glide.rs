@@ -57,7 +57,10 @@ impl Glider {
         }
         let program = machine.program;
         let folded = program.kernels.of(program, &machine.modes, &self.seen)?;
-        let frame = folded.kernel.frame().with_rows(&folded.kernel);
+        let mut frame = folded.kernel.frame();
+        if self.backend.may_be_native() {
+            frame = frame.with_rows(&folded.kernel);
+        }
         if self.flights.len() == MOST_FLIGHTS {
             self.flights.remove(0);
         }

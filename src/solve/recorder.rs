@@ -232,12 +232,19 @@ impl<'a> Recorder<'a> {
         self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(run, time, value));
     }
 
-    /// Writes down what a flight has worked out last. How far it went is seen when the flight ends.
+    /// Writes down what a flight has worked out last.
     fn write_seen(&mut self, time: f64, flight: &Flight) {
         self.trace.time.push(time);
         let values = self.trace.tracks.iter_mut().zip(flight.seen());
         values.for_each(|(track, volts)| track.volts.push(volts));
         self.wait_for(self.next + 1);
+    }
+
+    /// Takes note of what a flight has worked out within a step; how far its steps went is seen when it ends.
+    fn see_within(&mut self, time: f64, flight: &Flight) {
+        let run = self.trace.sweeps.len() - 1;
+        let values = self.trace.tracks.iter_mut().zip(flight.seen());
+        values.for_each(|(track, volts)| track.see(run, time, volts));
     }
 
     /// The instant of the grid that the machine has come to, if it has.
@@ -318,6 +325,7 @@ impl Witness for Recorder<'_> {
         let tables = &machine.program.tables;
         while let Some(time) = self.next_before(self.clock(machine) * (1.0 - SAME)) {
             flight.look_back(tables, time - self.held);
+            self.see_within(time, flight);
             self.write_seen(time, flight);
         }
         if self.due(machine).is_some() {

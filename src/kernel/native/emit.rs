@@ -8,6 +8,7 @@ use cranelift_codegen::ir::{Block, FuncRef, InstBuilder, MemFlagsData, Value, ty
 use cranelift_frontend::FunctionBuilder;
 
 use super::super::code::Slot;
+use super::super::rows::Columns;
 use super::super::step::SIXTH;
 use super::super::{Checks, Kernel};
 use super::Memory;
@@ -30,6 +31,7 @@ pub(super) struct Emitter<'a, 'f> {
     /// The states and their rates.
     pub states: Value,
     pub rates: Value,
+    pub columns: &'a Columns,
     /// Of a step, the row in which it begins.
     pub row: Option<Value>,
     /// The states that the first stage of a step tries, where they are few: worked out in the step before, from what is
@@ -47,6 +49,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     pub fn new(
         build: &'a mut FunctionBuilder<'f>,
         kernel: &'a Kernel,
+        columns: &'a Columns,
         pointer: types::Type,
         [call, look_up]: [FuncRef; 2],
     ) -> Self {
@@ -74,6 +77,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
             stage: 0,
             states,
             rates,
+            columns,
             row: None,
             tried: Vec::new(),
             values,
@@ -109,8 +113,9 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let zero = self.build.ins().iconst(types::I64, 0);
         let end = self.end_of(zero, first);
         self.row = Some(row);
-        let states: Vec<Value> = (0..kernel.rates.len()).map(|index| self.state(index)).collect();
-        let rates: Vec<Value> = (0..kernel.rates.len()).map(|index| self.rate(index)).collect();
+        let carried = if kernel.rates.len() > MOST_CARRIED { 0 } else { kernel.rates.len() };
+        let states: Vec<Value> = (0..carried).map(|index| self.state(index)).collect();
+        let rates: Vec<Value> = (0..carried).map(|index| self.rate(index)).collect();
         let tried = self.tried_first([time, end], &states, &rates);
         let start = [&[zero, row, time, end], &tried[..]].concat();
         let head = self.build.create_block();
@@ -130,7 +135,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.build.switch_to_block(on);
         let next = self.build.ins().iadd_imm_s(gone, 1);
         let end_of_next = self.end_of(next, first);
-        let next_row = self.build.ins().iadd_imm_s(row, 8 * self.kernel.columns.width as i64);
+        let next_row = self.build.ins().iadd_imm_s(row, 8 * self.columns.width as i64);
         let [states, rates] = self.step([time, end], next_row);
         let tried = self.tried_first([end, end_of_next], &states, &rates);
         self.jump(head, &[&[next, next_row, end, end_of_next], &tried[..]].concat());
@@ -160,8 +165,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
     /// One step between two times, written down in a row: states and rates at its end.
     fn step(&mut self, [time, end]: [Value; 2], next: Value) -> [Vec<Value>; 2] {
-        let kernel = self.kernel;
-        let columns = &kernel.columns;
+        let (kernel, columns) = (self.kernel, self.columns);
         let length = self.build.ins().fsub(end, time);
         let (after, rates, ()) = self.stages([time, length, end], &kernel.quick, |emitter| {
             for (index, slot) in columns.middles.iter().enumerate() {
@@ -188,7 +192,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     /// A state where it begins.
     fn state(&mut self, index: usize) -> Value {
         match self.row {
-            Some(row) => self.load(row, self.kernel.columns.states[index]),
+            Some(row) => self.load(row, self.columns.states[index]),
             None => self.load(self.states, index),
         }
     }
@@ -196,7 +200,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     /// Its rate there.
     fn rate(&mut self, index: usize) -> Value {
         match self.row {
-            Some(row) => self.load(row, self.kernel.columns.rates + index),
+            Some(row) => self.load(row, self.columns.rates + index),
             None => self.load(self.rates, index),
         }
     }

@@ -1,8 +1,8 @@
 //! A kernel's steps as native code.
 //!
-//! The code does what [`Kernel::steps`] does over one lane, operation by operation, and gives the same bits. Here alone
-//! memory is reached without the compiler's guard: through the pointers of [`Memory`], to the numbers of one frame,
-//! whose lengths are those for which the code was made.
+//! The code does the operations of [`Kernel::steps`] over one lane, and gives the same bits; but it goes its steps blindly, and the
+//! rows that it writes are judged afterwards. Here alone memory is reached without the compiler's guard: through the pointers of
+//! [`Memory`], to the numbers of one frame, whose lengths are those for which the code was made, and to its rows.
 
 #![allow(unsafe_code, reason = "calls code that is made while the program runs")]
 
@@ -21,6 +21,7 @@ use cranelift_module::{FuncId, Linkage, Module, ModuleError, default_libcall_nam
 use super::Kernel;
 use super::code::Instruction;
 use super::frame::Frame;
+use super::rows::Columns;
 use super::step::{Look, Steps};
 use crate::patch::Function;
 use crate::program::Number;
@@ -37,6 +38,7 @@ pub(crate) struct Native {
     lengths: Lengths,
     /// So many tables are looked up, the first.
     tables: usize,
+    columns: Columns,
 }
 
 /// Code that reaches what its memory points to, at the places that frames and tables of its kernel have.
@@ -87,19 +89,13 @@ impl Native {
     }
 
     /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
-    pub fn steps(
-        &self,
-        kernel: &Kernel,
-        frame: &mut Frame<f64>,
-        tables: &[Vec<[f64; 2]>],
-        steps: &Steps,
-    ) -> u64 {
+    pub fn steps(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
         let mut gone = 0;
-        frame.rows.make_room(&kernel.columns);
         while gone < steps.count {
+            frame.begin_rows(&self.columns);
             let left = steps.after(gone);
-            let block = Steps { count: frame.rows.next_of(&kernel.columns, left.count), ..left };
-            let quiet = self.block(kernel, frame, tables, &block);
+            let block = Steps { count: frame.rows.next_of(&self.columns, left.count), ..left };
+            let quiet = self.block(frame, tables, &block);
             gone += quiet;
             if quiet < block.count {
                 break;
@@ -108,19 +104,14 @@ impl Native {
         gone
     }
 
-    /// The same of no more steps than there is room for in the rows.
-    fn block(&self, kernel: &Kernel, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
-        frame.begin_rows(kernel);
-        assert!(
-            frame.rows.numbers_mut().len() >= kernel.columns.width * (steps.count as usize + 1),
-            "more steps than rows"
-        );
+    /// The same of no more steps than there is room for in the rows, the first of which is written.
+    fn block(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
         let (step, per_second) = steps.grid.numbers();
         self.enter(self.run, frame, tables, |memory| {
             let (begin, first, count) = (steps.begin, steps.first, steps.count);
             Memory { begin, step, per_second, first, count, ..memory }
         });
-        frame.judge_rows(kernel, steps)
+        frame.judge_rows(&self.columns, steps)
     }
 
     /// Looks ahead by a step of this length.
@@ -151,8 +142,9 @@ impl Native {
             lengths(frame).into_iter().zip(self.lengths).fold(true, |all, (own, made)| all & (own == made));
         assert!(fits && tables.len() >= self.tables, "a frame of another kernel");
         let mut memory = told(memory(frame, tables));
-        // SAFETY: the code reaches places below the lengths for which it was made, which were compared, and as many rows as it
-        // is told, which `block` has seen to be there; frame and tables are borrowed until it is done.
+        assert!(memory.count == 0 || frame.rows.hold(&self.columns, memory.count), "more steps than rows");
+        // SAFETY: the code reaches places below the lengths for which it was made, which were compared, and the rows of so many
+        // steps, for which there is room; frame and tables are borrowed until it is done.
         unsafe { code(&raw mut memory) }
     }
 }
@@ -188,7 +180,7 @@ fn memory(frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) -> Memory {
         length: 0.0,
         end: 0.0,
         tables: tables.as_ptr(),
-        rows: frame.rows.numbers_mut().as_mut_ptr(),
+        rows: frame.rows.pointer(),
         time: frame.time,
         begin: 0.0,
         step: 0.0,
@@ -246,10 +238,11 @@ fn made(kernel: &Kernel) -> Result<Option<Native>, Box<ModuleError>> {
 
     let call = import(&mut module, "patchcord_call", [types::I64, types::F64, types::F64])?;
     let look_up = import(&mut module, "patchcord_look_up", [pointer, types::I64, types::F64])?;
-    let helpers = [call, look_up];
-    let run = define(&mut module, "steps", kernel, helpers, |emitter| emitter.steps())?;
-    let look = define(&mut module, "look", kernel, helpers, |emitter| emitter.one_look())?;
-    let at_slots = define(&mut module, "at_slots", kernel, helpers, |emitter| emitter.at_slots())?;
+    let (helpers, columns) = ([call, look_up], Columns::of(kernel));
+    let run = define(&mut module, "steps", (kernel, &columns), helpers, |emitter| emitter.steps())?;
+    let look = define(&mut module, "look", (kernel, &columns), helpers, |emitter| emitter.one_look())?;
+    let at_slots =
+        define(&mut module, "at_slots", (kernel, &columns), helpers, |emitter| emitter.at_slots())?;
     module.finalize_definitions()?;
     let [run, look, at_slots] = [run, look, at_slots].map(|function| {
         let code = module.get_finalized_function(function);
@@ -257,7 +250,7 @@ fn made(kernel: &Kernel) -> Result<Option<Native>, Box<ModuleError>> {
         unsafe { std::mem::transmute::<*const u8, Entry>(code) }
     });
     let (lengths, tables) = (lengths(&kernel.frame()), tables(kernel));
-    Ok(Some(Native { run, look, at_slots, module: Some(module), lengths, tables }))
+    Ok(Some(Native { run, look, at_slots, module: Some(module), lengths, tables, columns }))
 }
 
 /// A function that the code calls, and that gives a number.
@@ -272,7 +265,7 @@ fn import(module: &mut JITModule, name: &str, takes: [types::Type; 3]) -> Result
 fn define(
     module: &mut JITModule,
     name: &str,
-    kernel: &Kernel,
+    (kernel, columns): (&Kernel, &Columns),
     helpers: [FuncId; 2],
     emit: impl FnOnce(Emitter<'_, '_>),
 ) -> Result<FuncId, Box<ModuleError>> {
@@ -285,7 +278,7 @@ fn define(
     let helpers = helpers.map(|helper| module.declare_func_in_func(helper, &mut context.func));
     let mut room = FunctionBuilderContext::new();
     let mut builder = FunctionBuilder::new(&mut context.func, &mut room);
-    emit(Emitter::new(&mut builder, kernel, pointer, helpers));
+    emit(Emitter::new(&mut builder, kernel, columns, pointer, helpers));
     builder.seal_all_blocks();
     builder.finalize(module.target_config());
     module.define_function(function, &mut context)?;
