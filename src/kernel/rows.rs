@@ -327,3 +327,69 @@ impl NullaryFnOnce for Search<'_> {
         steps
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A fenced voltage, which is looked at in the middle of a step too, and one that is followed.
+    fn columns() -> Columns {
+        Columns {
+            ends: vec![0, 1],
+            middles: vec![0],
+            fences: vec![(0, 0), (2, 0)],
+            of_time: None,
+            states: Vec::new(),
+            followed: vec![1],
+            rates: TOGETHER,
+            kept: TOGETHER,
+            kept_slots: 0..0,
+            width: TOGETHER,
+        }
+    }
+
+    fn number() -> impl Strategy<Value = f64> {
+        let rare = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, 1.0f64.next_up(), 1e300];
+        let common = [0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 5e-324];
+        prop_oneof![1 => prop::sample::select(rare.to_vec()), 60 => prop::sample::select(common.to_vec())]
+    }
+
+    /// Row by row: how many, the first, have their fenced voltages between -1 and 1 and hold numbers, and least and most of every
+    /// column in these, the first of equal ones.
+    fn one_by_one(rows: &[[f64; 3]]) -> (u64, [[f64; 2]; 3]) {
+        let is_quiet = |[end, followed, middle]: &&[f64; 3]| {
+            (-1.0..=1.0).contains(end) && (-1.0..=1.0).contains(middle) && !followed.is_nan()
+        };
+        let quiet = rows.iter().take_while(is_quiet);
+        let mut extremes = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+        let mut gone = 0;
+        for row in quiet {
+            gone += 1;
+            for ([least, most], value) in extremes.iter_mut().zip(row) {
+                *least = if value < least { *value } else { *least };
+                *most = if value > most { *value } else { *most };
+            }
+        }
+        (gone, extremes)
+    }
+
+    proptest! {
+        #[test]
+        fn rows_are_judged_as_one_by_one(rows in prop::collection::vec(prop::array::uniform3(number()), 1..60)) {
+            let (columns, mut all) = (columns(), Rows::default());
+            all.make_room(&columns);
+            all.put_fences(&columns, &[-1.0], &[1.0]);
+            for (place, row) in rows.iter().enumerate() {
+                (0..).zip(row).for_each(|(column, value)| put(&mut all.numbers[place + 1..], column, *value));
+            }
+            let gone = all.judge(&columns, rows.len() as u64);
+            let seen: Vec<_> = (0..3).map(|column| [take(&all.least, column), take(&all.most, column)]).collect();
+            let (expected, extremes) = one_by_one(&rows);
+            prop_assert_eq!(gone, expected);
+            let bits = |all: &[[f64; 2]]| all.as_flattened().iter().map(|one| one.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!(bits(&seen), bits(&extremes));
+        }
+    }
+}
