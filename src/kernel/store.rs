@@ -29,7 +29,7 @@ const MOST_KERNELS: usize = 64;
 /// From so many frames on their steps are interpreted together as quickly as each is alone (docs/performance.md), ...
 pub(crate) const FEWEST_ABREAST: usize = 3;
 /// ... and from so many as quickly as native code takes them one after the other.
-pub(super) const FEWEST_BEYOND_NATIVE: usize = 8;
+pub(super) const FEWEST_BEYOND_NATIVE: usize = 10;
 /// After so many interpreted steps native code has been worth its making, had it been there from the beginning: so many in
 /// any case, ...
 const PAYS: u64 = 6_000;

@@ -35,9 +35,8 @@ fn amplitude_and_period_are_those_of_an_independent_solver() {
     }
 }
 
-/// Steps are not shortened at the breaks of diodes, so that amplitudes in V come out a little uneven from turn to
-/// turn: a share of (omega h)^2 = 1.6e-4, as the break falls into the step.
-const UNEVEN: f64 = 1e-4;
+/// What amplitudes may differ by, in V.
+const UNEVEN: f64 = 1e-7;
 
 #[test]
 fn it_comes_to_the_amplitude_from_below_and_from_above_and_holds_it() {

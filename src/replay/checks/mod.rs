@@ -73,11 +73,21 @@ mod tests {
     use std::collections::HashSet;
 
     use super::*;
+    use crate::replay::ledger;
 
     #[test]
     fn every_check_has_a_name_of_its_own() {
         let mut seen = HashSet::new();
         assert!(TABLES.iter().copied().flatten().all(|check| seen.insert(check.name)));
+    }
+
+    #[test]
+    fn every_check_decides_a_claim() {
+        let claims = ledger().unwrap().into_iter().flat_map(|chapter| chapter.claims);
+        let asked: HashSet<String> = claims.filter_map(|claim| claim.check).collect();
+        let checks = TABLES.iter().copied().flatten().map(|check| check.name);
+        let unused: Vec<_> = checks.filter(|name| !asked.contains(*name)).collect();
+        assert!(unused.is_empty(), "{unused:?}");
     }
 
     #[test]

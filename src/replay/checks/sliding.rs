@@ -11,9 +11,7 @@ use crate::slideway::dry_friction::{DryFriction, DrySliding, printed_penetration
 use crate::slideway::lubricated::{LubricatedJoint, LubricatedSliding};
 use crate::slideway::oil::{Correction, Oil, thickening, thinning};
 use crate::slideway::power_law::PowerLaw;
-use crate::slideway::units::{
-    CM, CM_PER_S, CM2, KGF, KGF_PER_CM2, KGF_PER_MM2, MM_PER_S, N_S_PER_MM, POISE, UM, UM2,
-};
+use crate::slideway::units::{CM, CM_PER_S, CM2, KGF, KGF_PER_MM2, MM_PER_S, N_S_PER_MM, UM, UM2};
 use crate::slideway::wedge::{RangeProfile, Wedge};
 
 pub(super) const CHECKS: &[Check] = &[
@@ -26,7 +24,6 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "range-profile", run: range_profile },
     Check { name: "wedge-fit", run: wedge_fit },
     Check { name: "wedge-speed-fit", run: wedge_speed_fit },
-    Check { name: "film-pressure", run: film_pressure },
     Check { name: "parting-velocity", run: parting_velocity },
     Check { name: "lubricated-sliding", run: lubricated_sliding },
     Check { name: "parting-trend", run: parting_trend },
@@ -187,13 +184,6 @@ fn fit_evenly(given: &Given, y: impl Fn(f64) -> Result<f64, SlidewayError>) -> R
 
 pub(super) fn oil(given: &Given) -> Result<Oil, GivenError> {
     given.word("oil", &[("1", Oil::ONE), ("2", Oil::TWO)])
-}
-
-/// PL in kgf/cm2 of 1 P at V cm/s over H um.
-fn film_pressure(given: &Given) -> Result<Finding, CheckError> {
-    let oil = Oil { viscosity: POISE, ..oil(given)? };
-    let (velocity, gap) = (given.number("V")? * CM_PER_S, given.number("H")? * UM);
-    Ok(Finding::Number(oil.film_pressure(velocity, gap)? / KGF_PER_CM2))
 }
 
 fn lubricated(given: &Given) -> Result<LubricatedJoint, CheckError> {

@@ -23,7 +23,6 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "crossed-ridges", run: crossed_ridges },
     Check { name: "range-of-ridges", run: range_of_ridges },
     Check { name: "range-law", run: range_law },
-    Check { name: "law-as-printed", run: law_as_printed },
     Check { name: "slope-of-sums", run: slope_of_sums },
     Check { name: "reloaded-range", run: reloaded_range },
     Check { name: "reload-law", run: reload_law },
@@ -152,11 +151,6 @@ fn laws(given: &Given) -> Result<Law, GivenError> {
 fn fitted(given: &Given, law: Law) -> Result<PowerLaw, CheckError> {
     let levels: Levels = (given.number("from")? as u32, given.number("to")? as u32);
     Ok(law(&ContactLaws::fitted(&range(given)?, [levels; 4])?))
-}
-
-/// What a law of Table T7.1 comes to as printed, at x.
-fn law_as_printed(given: &Given) -> Result<Finding, CheckError> {
-    Ok(Finding::Number(laws(given)?(&ContactLaws::PRINTED).at(given.number("x")?)))
 }
 
 /// Power with which area or contacts grow with load between two overlaps in um.
