@@ -205,7 +205,6 @@ impl Frame<f64> {
 
     /// Writes down where a block begins.
     pub(super) fn begin_rows(&mut self, columns: &Columns) {
-        self.rows.make_room(columns);
         let first = &mut self.rows.numbers;
         columns.states.iter().zip(&self.states).for_each(|(column, state)| put(first, *column, *state));
         (columns.rates..).zip(&self.rates).for_each(|(column, rate)| put(first, column, *rate));

@@ -139,11 +139,8 @@ pub fn wear_particle(surface_energy: f64, hardness: f64) -> Result<f64, Slideway
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::slideway::near;
     use crate::slideway::units::{CM, KGF_PER_MM2};
-
-    fn near(got: f64, wanted: f64, share: f64) {
-        assert!((got / wanted - 1.0).abs() <= share, "{got}, not {wanted}");
-    }
 
     #[test]
     fn cast_iron_has_plausible_coefficients() {

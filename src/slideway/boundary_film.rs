@@ -85,11 +85,8 @@ pub fn film_shear_strength(pressure: f64) -> Result<f64, SlidewayError> {
 mod tests {
     use super::*;
     use crate::slideway::joint::Joint;
+    use crate::slideway::near;
     use crate::slideway::units::KGF_PER_CM2;
-
-    fn near(got: f64, printed: f64, share: f64) {
-        assert!((got / printed - 1.0).abs() < share, "{got} is not {printed}");
-    }
 
     #[test]
     fn fig_7_14_comes_out() {

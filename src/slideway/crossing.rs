@@ -110,14 +110,11 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::slideway::near;
     use crate::slideway::units::{KGF, KGF_PER_MM2, MM, MM2, UM};
 
     fn at(degrees: f64) -> Crossing {
         Crossing::new(&Ridge::GROUND, &Material::GRADE_17_IRON, degrees.to_radians()).unwrap()
-    }
-
-    fn near(got: f64, printed: f64, share: f64) {
-        assert!((got / printed - 1.0).abs() < share, "{got} is not {printed}");
     }
 
     #[test]

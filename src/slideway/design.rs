@@ -274,10 +274,7 @@ impl DesignEquation {
 mod tests {
     use super::*;
     use crate::slideway::falling::FallingFriction;
-
-    fn near(got: f64, wanted: f64, share: f64) {
-        assert!((got / wanted - 1.0).abs() <= share, "{got}, not {wanted}");
-    }
+    use crate::slideway::near;
 
     #[test]
     fn figures_of_the_study_come_out() {

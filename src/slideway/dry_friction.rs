@@ -152,14 +152,11 @@ mod tests {
 
     use super::*;
     use crate::slideway::boundary_film::BoundaryFilm;
+    use crate::slideway::near;
     use crate::slideway::units::{KGF, KGF_PER_CM2, MM_PER_S};
 
     fn model() -> DryFriction {
         DryFriction::of_study(Joint::PRINTED, 0.65 * KGF_PER_CM2)
-    }
-
-    fn near(got: f64, printed: f64, share: f64) {
-        assert!((got / printed - 1.0).abs() < share, "{got} is not {printed}");
     }
 
     #[test]

@@ -152,12 +152,9 @@ fn in_kgf_per_cm2(pressure: f64) -> Result<f64, SlidewayError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::slideway::near;
 
     const MODEL: f64 = 0.65 * KGF_PER_CM2;
-
-    fn near(got: f64, printed: f64, share: f64) {
-        assert!((got / printed - 1.0).abs() < share, "{got} is not {printed}");
-    }
 
     #[test]
     fn the_dry_joint_of_the_study_comes_out() {

@@ -143,14 +143,11 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::slideway::near;
     use crate::slideway::units::{KGF_PER_CM2, UM};
 
     fn joint(oil: Oil, film: BoundaryFilm) -> LubricatedJoint {
         LubricatedJoint::of_study(oil, film, 0.65 * KGF_PER_CM2).unwrap()
-    }
-
-    fn near(got: f64, printed: f64, share: f64) {
-        assert!((got / printed - 1.0).abs() < share, "{got} is not {printed}");
     }
 
     #[test]

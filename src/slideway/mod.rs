@@ -34,3 +34,10 @@ mod range;
 mod root;
 
 pub use range::{Range, SlidewayError};
+
+/// Holds a number to another, within a share of it.
+#[cfg(test)]
+#[track_caller]
+fn near(got: f64, wanted: f64, share: f64) {
+    assert!((got / wanted - 1.0).abs() < share, "{got}, not {wanted}");
+}

@@ -209,7 +209,7 @@ mod tests {
     use super::*;
 
     fn near(got: f64, wanted: f64) {
-        assert!((got / wanted - 1.0).abs() < 1e-3, "{got}, not {wanted}");
+        crate::slideway::near(got, wanted, 1e-3);
     }
 
     #[test]

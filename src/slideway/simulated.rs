@@ -112,11 +112,8 @@ impl OilLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::slideway::near;
     use crate::slideway::units::MM_PER_S;
-
-    fn near(got: f64, wanted: f64, share: f64) {
-        assert!((got / wanted - 1.0).abs() <= share, "{got}, not {wanted}");
-    }
 
     #[test]
     fn figures_of_the_study_come_out() {

@@ -194,10 +194,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-
-    fn near(got: f64, wanted: f64, share: f64) {
-        assert!((got / wanted - 1.0).abs() < share, "{got}, not {wanted}");
-    }
+    use crate::slideway::near;
 
     #[test]
     fn figures_of_the_study_come_out() {

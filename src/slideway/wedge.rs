@@ -114,10 +114,7 @@ pub const DRAG_FACTOR: PowerLaw = PowerLaw::new(0.51, 0.23);
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn near(got: f64, printed: f64, share: f64) {
-        assert!((got / printed - 1.0).abs() < share, "{got} is not {printed}");
-    }
+    use crate::slideway::near;
 
     #[test]
     fn figures_of_the_study_come_out() {

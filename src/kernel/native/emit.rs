@@ -41,8 +41,6 @@ pub(super) struct Emitter<'a, 'f> {
     pub values: Vec<Option<Value>>,
     /// The beginnings of sums that were worked out in this stage.
     pub sums: HashMap<Vec<Slot>, Value>,
-    /// Where the code goes when something is met.
-    pub met: Block,
 }
 
 impl<'a, 'f> Emitter<'a, 'f> {
@@ -57,7 +55,6 @@ impl<'a, 'f> Emitter<'a, 'f> {
         build.append_block_params_for_function_params(entry);
         build.switch_to_block(entry);
         let memory = build.block_params(entry)[0];
-        let met = build.create_block();
         let mut slots = |index| {
             let offset = offset_of!(Memory, slots) + index * size_of::<*mut f64>();
             build.ins().load(pointer, constant(), memory, offset as i32)
@@ -82,7 +79,6 @@ impl<'a, 'f> Emitter<'a, 'f> {
             tried: Vec::new(),
             values,
             sums: HashMap::new(),
-            met,
         }
     }
 
@@ -130,8 +126,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let [gone, row, time, end] = [here[0], here[1], here[2], here[3]];
         (self.row, self.tried) = (Some(row), here[4..].to_vec());
         let is_done = self.build.ins().icmp(IntCC::UnsignedGreaterThanOrEqual, gone, all);
-        let on = self.build.create_block();
-        self.build.ins().brif(is_done, self.met, &[], on, &[]);
+        let [done, on] = [(); 2].map(|()| self.build.create_block());
+        self.build.ins().brif(is_done, done, &[], on, &[]);
         self.build.switch_to_block(on);
         let next = self.build.ins().iadd_imm_s(gone, 1);
         let end_of_next = self.end_of(next, first);
@@ -139,7 +135,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let [states, rates] = self.step([time, end], next_row);
         let tried = self.tried_first([end, end_of_next], &states, &rates);
         self.jump(head, &[&[next, next_row, end, end_of_next], &tried[..]].concat());
-        self.leave_with(0);
+        self.build.switch_to_block(done);
+        self.leave();
     }
 
     fn jump(&mut self, block: Block, values: &[Value]) {
@@ -223,7 +220,6 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let otherwise = self.build.ins().uextend(types::I64, within);
         let told = self.build.ins().select(ahead, two, otherwise);
         self.build.ins().return_(&[told]);
-        self.leave_with(0);
     }
 
     /// Everything at the states and the time in the slots.
@@ -236,8 +232,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.watch(kernel.thorough.all);
         let rates: Vec<Value> = kernel.rates.iter().map(|slot| self.get(*slot)).collect();
         self.store_end(&rates);
-        self.jump(self.met, &[]);
-        self.leave_with(0);
+        self.leave();
     }
 
     /// Writes down what is worked out at an end: rates, what is recorded and followed, what is kept.
@@ -255,11 +250,10 @@ impl<'a, 'f> Emitter<'a, 'f> {
         }
     }
 
-    /// The block in which the code is left with a number.
-    fn leave_with(&mut self, number: i64) {
-        self.build.switch_to_block(self.met);
-        let number = self.build.ins().iconst(types::I64, number);
-        self.build.ins().return_(&[number]);
+    /// Leaves code that has nothing to tell.
+    fn leave(&mut self) {
+        let nothing = self.build.ins().iconst(types::I64, 0);
+        self.build.ins().return_(&[nothing]);
     }
 
     /// The stages of a step to states and rates at its end, with what is checked; the middle is looked at in between.

@@ -91,6 +91,7 @@ impl Native {
     /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.
     pub fn steps(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
         let mut gone = 0;
+        frame.rows.make_room(&self.columns);
         while gone < steps.count {
             frame.begin_rows(&self.columns);
             let left = steps.after(gone);
