@@ -6,7 +6,7 @@ use super::{Known, Problem, USUAL};
 /// Equations are stepped so finely, in seconds: a twentieth of the patches' steps.
 pub const FINE_STEP: f64 = 1e-6;
 
-pub static PROBLEMS: [Problem; 7] = [
+pub static PROBLEMS: [Problem; 8] = [
     Problem {
         name: "Fig 8.4",
         patch: "thesis/fig-8-04",
@@ -40,6 +40,14 @@ pub static PROBLEMS: [Problem; 7] = [
     Problem {
         name: "Fig 8.16",
         patch: "thesis/fig-8-16",
+        known: Known::Stepped(|duration, every| finely(&Slideway::thesis(Law::Remembered), duration, every)),
+        within: 3e-10,
+        ladder: 0.5,
+        ..SLIDEWAY
+    },
+    Problem {
+        name: "Fig 8.17",
+        patch: "thesis/fig-8-17",
         known: Known::Stepped(|duration, every| finely(&Slideway::thesis(Law::Remembered), duration, every)),
         within: 3e-10,
         ladder: 0.5,
