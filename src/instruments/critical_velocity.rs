@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::is_signal;
+use super::window::{WindowError, samples_in};
 use crate::patch::told;
 
 /// When a velocity counts as oscillating: a critical velocity means nothing without it.
@@ -35,20 +36,9 @@ pub enum NoCriticalVelocity {
     /// Times and values do not make signals.
     #[error("signals have one finite value for each of their times, which rise")]
     NotASignal,
-    /// The threshold or the window is not above 0.
-    #[error("threshold and window must lie above 0")]
-    BadCriterion,
-    /// Too few samples stand in a window.
-    #[error("{0} samples stand in a window: at least {FEWEST_SAMPLES} are needed")]
-    TooCoarse(usize),
-    /// The run ends before a window does.
-    #[error("the window of {} s is longer than the run of {} s", told(*.window), told(*.run))]
-    WindowTooLong {
-        /// Length of the window in seconds.
-        window: f64,
-        /// Length of the run in seconds.
-        run: f64,
-    },
+    /// Threshold and window do not go with the run.
+    #[error(transparent)]
+    Window(#[from] WindowError),
     /// The command alone passes the threshold.
     #[error("the command alone changes by {} within a window, which is not below the threshold", told(*.0))]
     CommandTooFast(f64),
@@ -69,10 +59,8 @@ pub enum NoCriticalVelocity {
     NotBegun,
 }
 
-/// Fewer samples in a window than this do not show a swing.
-const FEWEST_SAMPLES: usize = 8;
 /// Oscillation that rests for so many windows has ended, and lasts for as many: slips at a low command lie so far apart.
-const REST: usize = 4;
+pub(super) const REST: usize = 4;
 /// This share of the largest command is rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -113,19 +101,7 @@ impl<'a> Profile<'a> {
         if time.len() < 2 || !is_signal(time, command) || !is_signal(time, velocity) {
             return Err(NoCriticalVelocity::NotASignal);
         }
-        let Criterion { threshold, window } = criterion;
-        if !(threshold > 0.0 && window > 0.0 && window.is_finite()) {
-            return Err(NoCriticalVelocity::BadCriterion);
-        }
-        let run = time[time.len() - 1] - time[0];
-        let spacing = run / (time.len() - 1) as f64;
-        let span = (window / spacing).round() as usize;
-        if span > time.len() {
-            return Err(NoCriticalVelocity::WindowTooLong { window, run });
-        }
-        if span < FEWEST_SAMPLES {
-            return Err(NoCriticalVelocity::TooCoarse(span));
-        }
+        let (span, threshold) = (samples_in(time, criterion)?, criterion.threshold);
         let fastest = swings(command, span).fold(0.0, f64::max);
         if fastest >= threshold {
             return Err(NoCriticalVelocity::CommandTooFast(fastest));
@@ -180,7 +156,7 @@ fn rises<'a>(values: impl DoubleEndedIterator<Item = &'a f64> + Clone) -> bool {
 }
 
 /// Largest less least value of every so many values in a row.
-fn swings(values: &[f64], span: usize) -> impl Iterator<Item = f64> + '_ {
+pub(super) fn swings(values: &[f64], span: usize) -> impl Iterator<Item = f64> + '_ {
     let (mut largest, mut least) = (VecDeque::new(), VecDeque::new());
     (0..values.len()).filter_map(move |index| {
         keep(&mut largest, index, span, |kept| values[kept] <= values[index]);
@@ -264,9 +240,10 @@ mod tests {
         assert_eq!(read(&profile(9.0, 3.0, 1.0)).falling, Err(NoFall));
         let [time, command, velocity] = profile(4.0, 3.0, 1.0);
         let with = |criterion| both(critical_velocity(&time, &command, &velocity, criterion)).0;
-        assert_eq!(with(Criterion { window: 0.005, ..CRITERION }), TooCoarse(5));
-        assert_eq!(with(Criterion { window: 9.0, ..CRITERION }), WindowTooLong { window: 9.0, run: 8.0 });
-        assert_eq!(with(Criterion { threshold: 0.0, ..CRITERION }), BadCriterion);
+        let window = |window| Criterion { window, ..CRITERION };
+        assert_eq!(with(window(0.005)), Window(WindowError::TooCoarse(5)));
+        assert_eq!(with(window(9.0)), Window(WindowError::TooLong { window: 9.0, run: 8.0 }));
+        assert_eq!(with(Criterion { threshold: 0.0, ..CRITERION }), Window(WindowError::BadCriterion));
         assert!(matches!(with(Criterion { threshold: 0.03, ..CRITERION }), CommandTooFast(_)));
         let (time, wave) = sampled(8001, 1e-3, |t| (t.sin() + 0.3 * (9.0 * t).sin()) * (1.0 - t / 8.0));
         assert_eq!(both(critical_velocity(&time, &wave, &velocity, CRITERION)), (NoRise, NoFall));

@@ -1,7 +1,10 @@
 //! Instruments: what can be read from a trace.
 
 mod critical_velocity;
+mod cut;
+mod cycles;
 mod family;
+mod friction_loop;
 mod harmonic;
 mod log;
 mod measure;
@@ -10,10 +13,15 @@ mod quantity;
 mod ringing;
 mod scope;
 mod sensitivity;
+mod steadiness;
+mod steady_friction;
 mod stick;
 mod voltmeter;
+mod window;
 
 pub use critical_velocity::{Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity};
+pub use cycles::{Cycle, CyclesError, cycles};
+pub use friction_loop::{FrictionLoop, FrictionLoopError, Turning, friction_loop};
 pub use harmonic::{Harmonic, HarmonicError, harmonic};
 pub use log::{deed, ending, missed};
 pub use measure::{Cell, Column, Measure, MeasureError, measures};
@@ -22,8 +30,10 @@ pub use quantity::Display;
 pub use ringing::{Ringing, RingingError, ringing};
 pub use scope::{ScopeError, picture};
 pub use sensitivity::{Sensitivity, sensitivities, sensitivity_pictures};
+pub use steady_friction::{SteadyFriction, SteadyFrictionError, steady_friction};
 pub use stick::{StickError, stick_end};
 pub use voltmeter::{Extreme, Reading, readings};
+pub use window::WindowError;
 
 /// Whether there is one finite value for each of the times, which rise.
 fn is_signal(time: &[f64], values: &[f64]) -> bool {

@@ -69,7 +69,7 @@ pub(super) fn oscillation_within(
 }
 
 /// The largest value (sign 1) or the least one (sign -1); a corner no further than the limit.
-fn extreme(time: &[f64], values: &[f64], sign: f64, limit: f64) -> f64 {
+pub(super) fn extreme(time: &[f64], values: &[f64], sign: f64, limit: f64) -> f64 {
     let mut best = 0;
     for (index, value) in values.iter().enumerate() {
         if sign * (value - values[best]) > 0.0 {

@@ -17,4 +17,5 @@ mod fig_8_16;
 mod fig_8_16_both;
 mod fig_8_16_coulomb;
 mod fig_8_17;
+mod instruments;
 mod slideway;
