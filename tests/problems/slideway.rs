@@ -15,9 +15,11 @@ pub enum Law {
     Square,
     /// The same, following velocity with the lag Tc.
     Remembered,
+    /// Down along the square law, what comes of it following with the lag Tc.
+    Followed,
 }
 
-/// e' = v_in - v, w = K (e + x_step), M v' = dead_zone(w, F) - f v, Tc u' = (1 - min(|v| / VcL, 1)) - u; with a brake
+/// e' = v_in - v, w = K (e + x_step), M v' = dead_zone(w, F) - f v, Tc u' = (1 - min(|v| / VcL, 1)) - u, or its square less u; with a brake
 /// M v' = w - F sign(v) - f v, and v = 0 where it stands and |w| <= F.
 #[derive(Debug, Clone)]
 pub struct Slideway {
@@ -92,7 +94,7 @@ impl Slideway {
         if !matches!(self.law, Law::Absent | Law::Constant) {
             changes.push(("VcL", self.vcl));
         }
-        if self.law == Law::Remembered {
+        if matches!(self.law, Law::Remembered | Law::Followed) {
             changes.push(("Tc", self.tc));
         }
         changes
@@ -133,6 +135,7 @@ impl Slideway {
                 Law::Straight => share,
                 Law::Square => share * share,
                 Law::Remembered => memory * memory,
+                Law::Followed => memory,
             }
     }
 }
@@ -174,6 +177,7 @@ impl Equations<3, 6> for Slideway {
         };
         let accelerating = beyond - self.viscous * velocity;
         let commanded = self.v_start + self.v_rate * time.min(2.0 * self.v_turn - time);
-        [commanded - velocity, accelerating / self.mass, (share - memory) / self.tc]
+        let followed = if self.law == Law::Followed { share * share } else { share };
+        [commanded - velocity, accelerating / self.mass, (followed - memory) / self.tc]
     }
 }

@@ -3,23 +3,17 @@
 use std::collections::HashMap;
 use std::fs;
 
-use patchcord::patch::{Amount, Patch};
+use patchcord::patch::Amount;
 use patchcord::solve::Machine;
 use patchcord::trace::Trace;
 use serde_json::Value;
 
-use crate::common::{self, program_of};
-use crate::problems::runs::{circuit, ran_circuit, settings};
+use crate::common::program_of;
+use crate::problems::runs::circuit;
 
 /// The document of a patch as it was written.
 pub fn document(stem: &str) -> Value {
     serde_json::from_str(&fs::read_to_string(format!("patches/{stem}.json")).unwrap()).unwrap()
-}
-
-/// Runs a patch made in the test, as its own plan says.
-pub fn run_patch(patch: &Patch) -> Trace {
-    let circuit = common::circuit(patch, &[]);
-    ran_circuit(&circuit, &settings(&circuit))
 }
 
 pub fn lit(trace: &Trace) -> Vec<&str> {
