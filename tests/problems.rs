@@ -11,7 +11,7 @@ use std::process::Command;
 use common::pages::check_part;
 use common::{files, order};
 use library::equations::Equations;
-use library::{Known, Left, Problem, closed, lessons, runs, thesis};
+use library::{Known, Left, Problem, closed, lessons, others, runs, thesis};
 use patchcord::solve::{Backend, RunSettings};
 
 const TOLERANCES: [f64; 4] = [1e-5, 1e-6, 1e-7, 1e-8];
@@ -67,8 +67,11 @@ fn page() -> String {
 fn the_page_tells_every_problem_with_a_section() {
     let page = page();
     let told: Vec<_> = page.lines().filter_map(|line| line.strip_prefix("## ")).collect();
-    let sections =
-        closed::PROBLEMS.iter().map(|problem| problem.name).chain(["Lessons", "Circuits of the thesis"]);
+    let sections = closed::PROBLEMS.iter().map(|problem| problem.name).chain([
+        "Lessons",
+        "Circuits of the thesis",
+        "Circuits of others",
+    ]);
     assert_eq!(told, sections.collect::<Vec<_>>());
     for (problem, section) in closed::PROBLEMS.iter().zip(page.split("\n## ").skip(1)) {
         let named = [format!("`patches/{}.json`", problem.patch), format!("signal `{}`", problem.signal)];
@@ -108,11 +111,12 @@ fn table(problems: &[Problem], page_of: impl Fn(&Problem) -> String) -> String {
 }
 
 #[test]
-fn the_page_tells_lessons_and_circuits_of_the_thesis_as_they_are_run() {
+fn the_page_tells_lessons_and_circuits_as_they_are_run() {
     let of_lesson = |problem: &Problem| format!("lessons.md#{}", problem.name);
     let of_circuit = |problem: &Problem| format!("../patches/{}.json", problem.patch);
     check_part("docs/problems.md", "lessons", &table(&lessons::PROBLEMS, of_lesson), "problems");
     check_part("docs/problems.md", "thesis", &table(&thesis::PROBLEMS, of_circuit), "problems");
+    check_part("docs/problems.md", "others", &table(&others::PROBLEMS, of_circuit), "problems");
 }
 
 /// The largest error of the samples that a command of the page writes, in machine units.

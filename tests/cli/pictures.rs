@@ -7,10 +7,13 @@ use super::sensitivity::BALL;
 use super::{FIG_8_16, code, patchcord, path};
 
 const COULOMB: &str = "patches/thesis/fig-8-16-coulomb.json";
+const LAG_LAST: &str = "patches/thesis/fig-8-16-lag-last.json";
+const SINGH: &str = "patches/others/singh.json";
+const NAKASHIMA: &str = "patches/others/nakashima.json";
 const BOTH: &str = "patches/thesis/fig-8-16-both.json";
 
 /// Commands and the pictures that they draw; those of lessons are held fresh by `tests/lessons`.
-const PICTURES: [(&[&str], &str); 7] = [
+const PICTURES: [(&[&str], &str); 12] = [
     (&["run", FIG_8_16], "fig-8-16.svg"),
     (&["run", COULOMB], "fig-8-16-coulomb.svg"),
     (&["run", BOTH], "fig-8-16-both.svg"),
@@ -18,6 +21,11 @@ const PICTURES: [(&[&str], &str); 7] = [
     (&["linearise", FIG_8_04, "--from", "v_i", "--to", "v_o"], "fig-8-04.bode.svg"),
     (&["run", BALL, "--sensitivity", "e,g,h0"], "bouncing-ball.sensitivity.svg"),
     (&["draw", FIG_8_16, "--board"], "fig-8-16.board.svg"),
+    (&["run", LAG_LAST], "fig-8-16-lag-last.svg"),
+    (&["run", SINGH], "singh.svg"),
+    (&["run", NAKASHIMA], "nakashima.svg"),
+    (&["run", NAKASHIMA, "--set", "v_set=9e-3"], "nakashima.steady.svg"),
+    (&["draw", NAKASHIMA], "nakashima.schematic.svg"),
 ];
 
 #[test]

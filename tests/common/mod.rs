@@ -7,12 +7,14 @@ pub mod files;
 pub mod pages;
 pub mod traces;
 
+use std::fs;
 use std::path::Path;
 
 use patchcord::circuit::Circuit;
 use patchcord::patch::{ElementBuilder, Patch, PatchBuilder};
 use patchcord::program::{ParameterSlot, Program};
 use patchcord::solve::Machine;
+use serde_json::Value;
 
 /// A patch of tests/patches.
 pub fn patch(stem: &str) -> Patch {
@@ -31,6 +33,12 @@ pub fn slideway() -> Patch {
 
 fn read(file: &str) -> Patch {
     patch_of(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file))
+}
+
+/// The document of a patch as it was written.
+pub fn document(stem: &str) -> Value {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("patches/{stem}.json"));
+    serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap()
 }
 
 /// The patch of a file.

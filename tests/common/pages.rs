@@ -17,3 +17,10 @@ pub fn check_part(page: &str, mark: &str, fresh: &str, test: &str) {
         );
     }
 }
+
+/// Holds sentences against a page's text.
+pub fn check_told(page: &str, sentences: &[String]) {
+    let text = fs::read_to_string(page).unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
+    let missing: Vec<_> = sentences.iter().filter(|sentence| !text.contains(*sentence)).collect();
+    assert!(missing.is_empty(), "{page} does not say: {missing:#?}");
+}

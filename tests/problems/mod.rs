@@ -7,6 +7,7 @@ pub mod closed;
 pub mod equations;
 pub mod heat_rod;
 pub mod lessons;
+pub mod others;
 pub mod runs;
 pub mod slideway;
 mod stick_slip;
@@ -77,7 +78,7 @@ const USUAL: Problem = Problem {
 
 /// All of them.
 pub fn all() -> impl Iterator<Item = &'static Problem> {
-    closed::PROBLEMS.iter().chain(&lessons::PROBLEMS).chain(&thesis::PROBLEMS)
+    closed::PROBLEMS.iter().chain(&lessons::PROBLEMS).chain(&thesis::PROBLEMS).chain(&others::PROBLEMS)
 }
 
 /// A problem that can be run: its program, a run over the problem's time, and what has to come out.

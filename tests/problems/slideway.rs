@@ -20,12 +20,14 @@ pub enum Law {
 }
 
 /// e' = v_in - v, w = K (e + x_step), M v' = dead_zone(w, F) - f v, Tc u' = (1 - min(|v| / VcL, 1)) - u, or its square less u; with a brake
-/// M v' = w - F sign(v) - f v, and v = 0 where it stands and |w| <= F.
+/// M v' = w - F sign(v) - f v, and v = 0 where it stands and |w| <= F, or w <= F where it goes one way.
 #[derive(Debug, Clone)]
 pub struct Slideway {
     pub law: Law,
     /// Whether solid friction is a brake, and not a dead zone in the spring's force.
     pub brake: bool,
+    /// Whether the brake holds whatever pulls back.
+    pub one_way: bool,
     pub mass: f64,
     pub stiffness: f64,
     pub viscous: f64,
@@ -52,6 +54,7 @@ impl Slideway {
         Slideway {
             law,
             brake: false,
+            one_way: false,
             mass: 433.0,
             stiffness: 45e6,
             viscous: 10.7e3,
@@ -155,7 +158,8 @@ impl Equations<3, 6> for Slideway {
     /// A brake holds what comes to stand.
     fn settled(&self, [error, velocity, memory]: State) -> State {
         let [above, below, ..] = self.kinks([error, velocity, memory]);
-        let stands = self.brake && velocity.abs() < STANDING_STILL && above <= 0.0 && below >= 0.0;
+        let held = above <= 0.0 && (below >= 0.0 || self.one_way);
+        let stands = self.brake && velocity.abs() < STANDING_STILL && held;
         [error, if stands { 0.0 } else { velocity }, memory]
     }
 
@@ -165,7 +169,7 @@ impl Equations<3, 6> for Slideway {
         let speed = if forward { velocity } else { -velocity };
         let share = if fast || !back { 0.0 } else { 1.0 - speed / self.vcl };
         let friction = self.friction(share, if remembered { memory } else { 0.0 });
-        let is_held = !above && below;
+        let is_held = !above && (below || self.one_way);
         // What of the force lies beyond the dead zone.
         let above = if above { spring - friction } else { 0.0 };
         let below = if below { 0.0 } else { spring + friction };

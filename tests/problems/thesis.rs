@@ -117,7 +117,7 @@ pub static PROBLEMS: [Problem; 13] = [
 ];
 
 /// The output velocity of a slideway, while it sets out.
-const SLIDEWAY: Problem = Problem { signal: "v_o", duration: 0.3, every: 1e-3, ..USUAL };
+pub const SLIDEWAY: Problem = Problem { signal: "v_o", duration: 0.3, every: 1e-3, ..USUAL };
 
 /// A network without memory, driven by a slow ramp.
 const RAMP: Problem = Problem { duration: 8.0, every: 1e-2, within: 1e-15, left: Left::Rounding, ..USUAL };
@@ -139,6 +139,7 @@ fn lagged(time: f64) -> f64 {
     50.0 + 5.0 * (angle.sin() - angle.cos()) + 55.0 * (-angle).exp()
 }
 
-fn finely(slideway: &Slideway, duration: f64, every: f64) -> Vec<f64> {
+/// Its output velocity by fine steps.
+pub fn finely(slideway: &Slideway, duration: f64, every: f64) -> Vec<f64> {
     slideway.velocity(duration, every, FINE_STEP)
 }

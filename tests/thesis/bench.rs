@@ -1,20 +1,15 @@
 //! Shipped patches on the bench: set, run, recorded.
 
 use std::collections::HashMap;
-use std::fs;
 
 use patchcord::patch::Amount;
 use patchcord::solve::Machine;
 use patchcord::trace::Trace;
-use serde_json::Value;
 
 use crate::common::program_of;
 use crate::problems::runs::circuit;
 
-/// The document of a patch as it was written.
-pub fn document(stem: &str) -> Value {
-    serde_json::from_str(&fs::read_to_string(format!("patches/{stem}.json")).unwrap()).unwrap()
-}
+pub use crate::common::document;
 
 pub fn lit(trace: &Trace) -> Vec<&str> {
     trace.overloads().map(|overload| overload.element.as_str()).collect()

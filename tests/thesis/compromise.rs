@@ -1,11 +1,9 @@
 //! What the dead zone of Fig 8.16 costs beside a brake: docs/compromise.md, whose numbers are measured here.
 
-use std::fs;
-
 use patchcord::trace::Trace;
 
 use crate::bench;
-use crate::common::pages::check_part;
+use crate::common::pages::{check_part, check_told};
 use crate::problems::runs;
 
 /// Stem of the patch, and what the page calls it.
@@ -236,7 +234,7 @@ fn the_page_tells_what_is_measured() {
     check_part(PAGE, "profile", &profile_table(&profiles), "thesis");
     let records = COMMANDS.map(|command| CIRCUITS.map(|(stem, _)| steady(stem, command)));
     check_part(PAGE, "steady", &steady_table(&records), "thesis");
-    check_text(&[steady_sentences(&records), vec![profile_sentence(&profiles)]].concat());
+    check_told(PAGE, &[steady_sentences(&records), vec![profile_sentence(&profiles)]].concat());
     for [dead_zone, brake] in &records {
         check_dead_zone(dead_zone);
         check_brake(brake);
@@ -285,13 +283,6 @@ fn profile_sentence(profiles: &[Profile; 2]) -> String {
     let share = rising.map(|[dead_zone, brake]| brake / dead_zone - 1.0);
     let [least, most] = [least(&higher), most(&higher)].map(|off| shown(off, 1e-3, 2));
     format!("{least} or {most} mm/s ({} %) higher", shown(mean(&share), 1e-2, 1))
-}
-
-/// Holds sentences against the page's text.
-fn check_text(sentences: &[String]) {
-    let page = fs::read_to_string(PAGE).unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
-    let missing: Vec<_> = sentences.iter().filter(|sentence| !page.contains(*sentence)).collect();
-    assert!(missing.is_empty(), "{PAGE} does not say: {missing:#?}");
 }
 
 /// Nothing stands still, friction pushes, and inside the mass coasts on viscous friction alone.
