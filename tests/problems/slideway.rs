@@ -32,6 +32,8 @@ pub struct Slideway {
     pub stiffness: f64,
     pub viscous: f64,
     pub solid: f64,
+    /// What of solid friction never falls.
+    pub kept: f64,
     pub vcl: f64,
     pub tc: f64,
     pub v_start: f64,
@@ -59,6 +61,7 @@ impl Slideway {
             stiffness: 45e6,
             viscous: 10.7e3,
             solid: 771.0,
+            kept: 0.0,
             vcl: 2.54e-3,
             tc: 0.0065,
             v_start: 0.0,
@@ -131,15 +134,15 @@ impl Slideway {
     }
 
     fn friction(&self, share: f64, memory: f64) -> f64 {
-        self.solid
-            * match self.law {
-                Law::Absent => 0.0,
-                Law::Constant => 1.0,
-                Law::Straight => share,
-                Law::Square => share * share,
-                Law::Remembered => memory * memory,
-                Law::Followed => memory,
-            }
+        let left = match self.law {
+            Law::Absent => 0.0,
+            Law::Constant => 1.0,
+            Law::Straight => share,
+            Law::Square => share * share,
+            Law::Remembered => memory * memory,
+            Law::Followed => memory,
+        };
+        self.kept + (self.solid - self.kept) * left
     }
 }
 

@@ -6,7 +6,15 @@ use super::{Known, Left, Problem, USUAL};
 /// Equations are stepped so finely, in seconds: a twentieth of the patches' steps.
 pub const FINE_STEP: f64 = 1e-6;
 
-pub static PROBLEMS: [Problem; 13] = [
+pub static PROBLEMS: [Problem; 14] = [
+    Problem {
+        name: "Fig 4.7",
+        patch: "thesis/fig-4-07",
+        signal: "coulomb.v_o",
+        known: Known::Stepped(|duration, every| finely(&Slideway::dropping(), duration, every)),
+        within: 6e-11,
+        ..SLIDEWAY
+    },
     Problem {
         name: "Fig 8.4",
         patch: "thesis/fig-8-04",
@@ -118,6 +126,13 @@ pub static PROBLEMS: [Problem; 13] = [
 
 /// The output velocity of a slideway, while it sets out.
 pub const SLIDEWAY: Problem = Problem { signal: "v_o", duration: 0.3, every: 1e-3, ..USUAL };
+
+impl Slideway {
+    /// Friction (c) of Fig 4.7: it drops to a share of what holds at standstill.
+    pub fn dropping() -> Self {
+        Slideway { brake: true, kept: 0.6 * 771.0, vcl: 0.508e-3, ..Slideway::thesis(Law::Remembered) }
+    }
+}
 
 /// A network without memory, driven by a slow ramp.
 const RAMP: Problem = Problem { duration: 8.0, every: 1e-2, within: 1e-15, left: Left::Rounding, ..USUAL };

@@ -8,6 +8,7 @@ mod problems;
 mod bench;
 mod compromise;
 mod dice;
+mod fig_4_07;
 mod fig_8_04;
 mod fig_8_05;
 mod fig_8_07;
