@@ -1,27 +1,29 @@
 //! Every claim of the ledger is examined, and comes out as the ledger expects.
 
-use patchcord::replay::{Claim, Verdict, ledger};
+mod common;
+
+use patchcord::replay::{Claim, Examined, Verdict, ledger, page, perform};
+
+use common::files::check_fresh;
 
 fn claims() -> Vec<Claim> {
-    let chapters = ledger().unwrap_or_else(|error| panic!("{error}"));
-    chapters.into_iter().flat_map(|chapter| chapter.claims).collect()
+    ledger().unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// What is not as the ledger expects, if anything is.
-fn surprise(claim: &Claim) -> Option<String> {
-    match claim.examine() {
-        Ok(outcome) if outcome.verdict == claim.verdict => None,
-        Ok(outcome) => {
-            Some(format!("{}: {}, not {}: {:?}", claim.id, outcome.verdict, claim.verdict, outcome.finding))
-        }
-        Err(error) => Some(format!("{}: {error}", claim.id)),
-    }
+fn surprise(row: &Examined) -> Option<String> {
+    let (claim, found) = (&row.claim, &row.outcome);
+    (found.verdict != claim.verdict)
+        .then(|| format!("{}: {}, not {}: {:?}", claim.id, found.verdict, claim.verdict, found.finding))
 }
 
 #[test]
-fn every_claim_comes_out_as_expected() {
-    let surprises: Vec<_> = claims().iter().filter_map(surprise).collect();
+fn every_claim_comes_out_as_expected_and_stands_on_the_page() {
+    let performed = perform(&[], &claims(), 2, |_, _| ());
+    let (_, examined) = performed.unwrap_or_else(|error| panic!("{error}"));
+    let surprises: Vec<_> = examined.iter().filter_map(surprise).collect();
     assert!(surprises.is_empty(), "\n{}", surprises.join("\n"));
+    check_fresh("docs/claims.md", page(&examined).as_bytes(), "claims");
 }
 
 #[test]
@@ -30,7 +32,7 @@ fn a_claim_that_says_something_else_is_noticed() {
     let mut radius = of("7-004");
     radius.value.as_mut().unwrap().number *= 1.01;
     assert_eq!(radius.examine().unwrap().verdict, Verdict::Differs);
-    assert!(surprise(&radius).unwrap().starts_with("7-004: differs, not reproduced"));
+    assert!(surprise(&Examined::of(&radius).unwrap()).unwrap().starts_with("7-004: differs, not reproduced"));
     radius.value = None;
     assert_eq!(radius.examine().unwrap().verdict, Verdict::Unknowable);
 }

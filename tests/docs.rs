@@ -9,12 +9,12 @@ mod threads;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use common::files::check_fresh;
 use patchcord::circuit::Circuit;
 use patchcord::elements::reference_page;
 use patchcord::patch::{Patch, json_schema};
 use patchcord::plot;
 use patchcord::program::Program;
-use patchcord::replay;
 use patchcord::solve::{Backend, RunSettings};
 use problems::runs;
 
@@ -75,30 +75,14 @@ fn every_patch_shown_is_right() {
     assert!(shown >= 2);
 }
 
-/// Holds a generated file against what it would be now, or writes it anew where that is asked for.
-fn check_fresh(path: &str, fresh: &str) {
-    if std::env::var_os("PATCHCORD_BLESS").is_some() {
-        fs::write(path, fresh).unwrap();
-    }
-    let stored = fs::read_to_string(path).unwrap_or_default();
-    assert!(stored == fresh, "{path} is stale: PATCHCORD_BLESS=1 cargo test --test docs rewrites it");
-}
-
 #[test]
 fn the_schema_is_fresh() {
-    check_fresh("docs/patch.schema.json", &format!("{:#}\n", json_schema()));
+    check_fresh("docs/patch.schema.json", format!("{:#}\n", json_schema()).as_bytes(), "docs");
 }
 
 #[test]
 fn the_page_of_elements_is_fresh() {
-    check_fresh("docs/elements.md", &reference_page());
-}
-
-#[test]
-fn the_page_of_claims_is_fresh() {
-    let chapters = replay::ledger().unwrap_or_else(|error| panic!("{error}"));
-    let page = replay::page(&chapters).unwrap_or_else(|(id, error)| panic!("{id}: {error}"));
-    check_fresh("docs/claims.md", &page);
+    check_fresh("docs/elements.md", reference_page().as_bytes(), "docs");
 }
 
 #[test]
@@ -106,11 +90,7 @@ fn the_picture_of_all_symbols_is_fresh() {
     let path = "docs/pictures/symbols.svg";
     let drawing = patchcord::schematic::legend();
     let fresh = plot::render_drawing(&drawing, plot::Format::Svg, plot::Theme::Light).unwrap();
-    if std::env::var_os("PATCHCORD_BLESS").is_some() {
-        fs::write(path, &fresh).unwrap();
-    }
-    let stored = fs::read(path).unwrap_or_default();
-    assert!(stored == fresh, "{path} is stale: PATCHCORD_BLESS=1 cargo test --test docs rewrites it");
+    check_fresh(path, &fresh, "docs");
 }
 
 /// A table of docs/performance.md.

@@ -9,9 +9,8 @@ use clap::Args;
 use serde_json::Value;
 
 use super::failure::Failure;
-use super::load::parameter_line;
 use patchcord::circuit::Circuit;
-use patchcord::instruments;
+use patchcord::instruments::{self, parameter_line};
 use patchcord::output::{check_writable, destination, refusal, write_whole};
 use patchcord::plot::{self, Format, Picture, Size};
 use patchcord::trace::Trace;

@@ -7,7 +7,6 @@ use serde_json::{Value, json};
 
 use super::failure::{Failure, tell_report};
 use patchcord::circuit::Circuit;
-use patchcord::instruments::Display;
 use patchcord::patch::Patch;
 use patchcord::program::Program;
 use patchcord::solve::{Machine, RunError};
@@ -54,15 +53,6 @@ impl PatchArguments {
         let program = Program::new(&circuit)?;
         Ok(Loaded { circuit, program })
     }
-}
-
-/// The parameters as a line of small print, in short units: those that are not 0, in the patch or as set.
-pub(super) fn parameter_line(circuit: &Circuit) -> String {
-    let shown = circuit.parameters().filter(|(_, parameter, value)| *value != 0.0 || parameter.value != 0.0);
-    let told = shown.map(|(name, parameter, value)| {
-        format!("{name} {}", Display::new(parameter.unit.text(), value).text(value))
-    });
-    told.collect::<Vec<_>>().join(", ")
 }
 
 /// The parameters for `--json`.

@@ -17,6 +17,7 @@ mod overloads;
 mod phases;
 mod progress;
 mod readings;
+mod replay;
 mod run;
 mod sweep;
 mod table;
@@ -51,6 +52,8 @@ enum Command {
     Run(run::Arguments),
     /// Run a patch for many settings of its parameters, and measure each run: a row a run
     Sweep(sweep::Arguments),
+    /// Draw the figures of the study again, and examine what its text claims
+    Replay(replay::Arguments),
     /// Draw the schematic of a patch, or the patch panel with its cords
     Draw(draw::Arguments),
     /// Small motions about a point: roots, frequencies, damping, Bode plot
@@ -89,6 +92,7 @@ fn carry_out(command: &Command) -> Result<(), Failure> {
         Command::Check(arguments) => check::check(arguments),
         Command::Run(arguments) => run::run(arguments),
         Command::Sweep(arguments) => sweep::sweep(arguments),
+        Command::Replay(arguments) => replay::replay(arguments),
         Command::Draw(arguments) => draw::draw(arguments),
         Command::Linearise(arguments) => linearise::linearise(arguments),
         Command::Elements(arguments) => elements::elements(arguments),

@@ -63,39 +63,41 @@ impl Progress {
     }
 }
 
-/// How far a sweep has come, with the time that is left.
-pub(super) struct SweepProgress {
+/// How many of many things are done, with the time that is left.
+pub(super) struct Bar {
     line: Line,
-    runs: u64,
-    /// Runs that were there at the beginning, and when that was.
+    /// What is counted.
+    what: &'static str,
+    /// How many were done at the beginning, and when that was.
     begin: Option<(u64, Instant)>,
 }
 
-impl SweepProgress {
-    /// The progress of so many runs.
-    pub fn new(runs: u64) -> Option<Self> {
-        Some(SweepProgress { line: Line::new()?, runs, begin: None })
+impl Bar {
+    /// Nothing done yet of what is counted.
+    pub fn new(what: &'static str) -> Option<Self> {
+        Some(Bar { line: Line::new()?, what, begin: None })
     }
 
-    /// Takes note of how many runs are done; first of how many were done before.
-    pub fn runs(&mut self, done: u64) {
+    /// Takes note of how many of all are done; first of how many were done before.
+    pub fn done(&mut self, done: u64, all: u64) {
         let (before, since) = *self.begin.get_or_insert((done, Instant::now()));
-        self.line.show(|| sweep_told(done, self.runs, done - before, since.elapsed()));
+        let what = self.what;
+        self.line.show(|| bar_told(done, all, what, done - before, since.elapsed()));
     }
 }
 
 /// Letters of the bar.
-const BAR: u64 = 30;
+const LETTERS: u64 = 30;
 
-/// A bar, the runs done of all, and how long the rest takes at the pace of those done now.
-fn sweep_told(done: u64, runs: u64, now: u64, elapsed: Duration) -> String {
-    let full = (done * BAR / runs.max(1)) as usize;
-    let bar = "#".repeat(full) + &".".repeat(BAR as usize - full);
+/// A bar, how many are done of all, and how long the rest takes at the pace of those done now.
+fn bar_told(done: u64, all: u64, what: &str, now: u64, elapsed: Duration) -> String {
+    let full = (done * LETTERS / all.max(1)) as usize;
+    let bar = "#".repeat(full) + &".".repeat(LETTERS as usize - full);
     let left = match now {
         0 => String::new(),
-        now => format!(", {} left", time_told(elapsed.as_secs_f64() / now as f64 * (runs - done) as f64)),
+        now => format!(", {} left", time_told(elapsed.as_secs_f64() / now as f64 * (all - done) as f64)),
     };
-    format!("[{bar}] {done} of {runs} runs{left}")
+    format!("[{bar}] {done} of {all} {what}{left}")
 }
 
 /// "8 s", "3 min 20 s", "5 h 3 min".
@@ -114,7 +116,7 @@ mod tests {
 
     #[test]
     fn the_time_left_follows_from_the_runs_done_now() {
-        let told = |done, now| sweep_told(done, 1000, now, Duration::from_secs(10));
+        let told = |done, now| bar_told(done, 1000, "runs", now, Duration::from_secs(10));
         assert_eq!(told(500, 100), "[###############...............] 500 of 1000 runs, 50 s left");
         assert_eq!(told(0, 0), format!("[{}] 0 of 1000 runs", ".".repeat(30)));
         assert_eq!(told(1000, 1), format!("[{}] 1000 of 1000 runs, 0 s left", "#".repeat(30)));

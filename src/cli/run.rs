@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::failure::{Failure, plural};
 use super::files::{FileArguments, Files};
-use super::load::{Loaded, PatchArguments, document, parameter_line};
+use super::load::{Loaded, PatchArguments, document};
 use super::overloads::{overload_json, overload_told};
 use super::phases::{phase_told, phases_json, phases_told};
 use super::progress::Progress;
@@ -13,6 +13,7 @@ use super::readings::{readings_json, readings_told, sensitivities_json};
 use super::times::{TimeArguments, given, place_told, refused, times_json, with_advice};
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
+use patchcord::instruments::parameter_line;
 use patchcord::patch::{RunPlan, suggestion};
 use patchcord::program::Program;
 use patchcord::solve::{self, RunError, RunSettings, Stopped};

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::failure::{Failure, plural};
 use super::files::{check_apart, prepare, written};
 use super::load::{Loaded, PatchArguments, document};
-use super::progress::SweepProgress;
+use super::progress::Bar;
 use super::times::{TimeArguments, refused, times_json};
 use super::{say, say_json, tell};
 use patchcord::circuit::Circuit;
@@ -59,10 +59,10 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     let axes = axes.map_err(unplanned)?;
     let Loaded { circuit, program } = arguments.patch.load()?;
     let sweep = arguments.sweep(axes, &circuit, program)?;
-    let mut progress = SweepProgress::new(sweep.plan().runs());
+    let (mut progress, runs) = (Bar::new("runs"), sweep.plan().runs());
     let mut progress = |done| {
         if let Some(progress) = &mut progress {
-            progress.runs(done);
+            progress.done(done, runs);
         }
     };
     let Some(out) = &arguments.out else {

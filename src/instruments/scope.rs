@@ -71,6 +71,7 @@ pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<String>) -> Resul
             right: on_right,
             breaks: breaks.clone(),
             labels: std::mem::take(&mut labels),
+            dots: false,
         }
     });
     Ok(Picture {

@@ -37,13 +37,7 @@ fn picture(
         horizontal: Axis::ratios("frequency", "Hz", low, high),
         vertical,
         vertical_right: None,
-        channels: vec![Channel {
-            name: response.output.clone(),
-            points,
-            right: false,
-            breaks: vec![],
-            labels: vec![],
-        }],
+        channels: vec![Channel::line(&response.output, points)],
         note,
         marks: marks.to_vec(),
     }

@@ -10,6 +10,7 @@ mod decode_run;
 mod derivative;
 mod diagnostic;
 mod document;
+mod edit;
 mod fields;
 mod file;
 mod formula;
@@ -32,6 +33,7 @@ pub use document::{
     Amount, Entry, FORMAT_VERSION, LEAST_TOLERANCE, Parameter, Patch, PictureSpec, Placed, Plug, RunPlan,
     Scale, Signal,
 };
+pub use edit::{Edit, EditError};
 pub use file::PatchError;
 pub use formula::{
     Callee, Expression, Formula, FormulaError, Measure as FormulaMeasure, Node, Operator, Scope,

@@ -18,7 +18,7 @@ pub(super) fn picture(
     let mut drawn = Vec::new();
     for (index, channel) in picture.channels.iter().enumerate() {
         let lines = trace::lines(picture, channel, screen, frame.unit);
-        trace::draw(&lines, palette::trace(index), surface)?;
+        trace::draw(&lines, channel.dots, palette::trace(index), surface)?;
         drawn.extend(lines);
     }
     labels::draw(picture, &drawn, texts, screen, font, surface)?;

@@ -89,7 +89,10 @@ impl Head<'_> {
         let mut x = left;
         for entry in row {
             let y = self.baseline - SAMPLE_ABOVE;
-            self.surface.line(&[(x, y), (x + SAMPLE, y)], trace::SAMPLE_WIDTH, entry.colour)?;
+            match entry.dots {
+                true => self.surface.line(&[(x + SAMPLE / 2.0, y)], trace::DOT, entry.colour)?,
+                false => self.surface.line(&[(x, y), (x + SAMPLE, y)], trace::SAMPLE_WIDTH, entry.colour)?,
+            }
             let at = (x + SAMPLE + SAMPLE_GAP, self.baseline);
             self.surface.text(&entry.name, at, lettering)?;
             x += entry.width + BETWEEN;
@@ -103,6 +106,7 @@ struct Entry {
     name: String,
     width: f64,
     colour: RGBColor,
+    dots: bool,
 }
 
 /// A single channel needs no legend, unless it is read at the right.
@@ -117,6 +121,7 @@ fn legend(picture: &Picture, font: &Font, room: f64) -> Vec<Entry> {
             width: SAMPLE + SAMPLE_GAP + font.width(&name, LABEL_TEXT),
             name,
             colour: palette::trace(index),
+            dots: channel.dots,
         }
     };
     picture.channels.iter().enumerate().map(entry).collect()

@@ -114,13 +114,7 @@ mod tests {
 
     #[test]
     fn the_label_of_a_line_stays_on_that_line() {
-        let channel = Channel {
-            name: String::new(),
-            points: vec![(0.0, 0.0); 300],
-            right: false,
-            breaks: vec![0, 100, 200],
-            labels: vec![],
-        };
+        let channel = Channel { breaks: vec![0, 100, 200], ..Channel::line("", vec![(0.0, 0.0); 300]) };
         let all: Vec<usize> = tried(&channel, 199).collect();
         assert_eq!((all[0], all.iter().min()), (199, Some(&130)));
         assert_eq!(tried(&channel, 100).collect::<Vec<_>>(), [100]);

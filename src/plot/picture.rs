@@ -42,9 +42,29 @@ pub struct Channel {
     pub breaks: Vec<usize>,
     /// Indices of points, and what is written beside them; left out where there is no room for it.
     pub labels: Vec<(usize, String)>,
+    /// Whether the points are dots that no line joins, as measurements are.
+    pub dots: bool,
+}
+
+impl Channel {
+    /// A line through points, read at the left.
+    pub fn line(name: impl Into<String>, points: Vec<(f64, f64)>) -> Channel {
+        Channel { name: name.into(), points, right: false, breaks: vec![], labels: vec![], dots: false }
+    }
+
+    /// Points that no line joins, read at the left.
+    pub fn dots(name: impl Into<String>, points: Vec<(f64, f64)>) -> Channel {
+        Channel { dots: true, ..Channel::line(name, points) }
+    }
 }
 
 impl Picture {
+    /// A picture with nothing on its screen yet.
+    pub fn new(title: impl Into<String>, horizontal: Axis, vertical: Axis) -> Picture {
+        let (vertical_right, channels, note, marks) = (None, vec![], None, vec![]);
+        Picture { title: title.into(), horizontal, vertical, vertical_right, channels, note, marks }
+    }
+
     /// The vertical axis on which a channel is read.
     pub(super) fn axis_of(&self, channel: &Channel) -> &Axis {
         match &self.vertical_right {

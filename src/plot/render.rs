@@ -81,7 +81,7 @@ mod tests {
     use crate::plot::{Channel, Mark};
 
     fn channel(name: &str, points: Vec<(f64, f64)>) -> Channel {
-        Channel { name: name.to_owned(), points, right: false, breaks: vec![], labels: vec![] }
+        Channel::line(name, points)
     }
 
     fn picture(channels: Vec<Channel>) -> Picture {

@@ -8,6 +8,9 @@ use super::{Channel, Picture, PlotError};
 /// Thickness of a trace.
 const WIDTH: f64 = 1.6;
 
+/// Across a dot.
+pub(super) const DOT: f64 = 7.0;
+
 /// Thickness of the sample of a trace in the legend.
 pub(super) const SAMPLE_WIDTH: f64 = 2.4;
 
@@ -42,14 +45,23 @@ pub(super) fn lines(picture: &Picture, channel: &Channel, screen: Area, unit: f6
         .collect()
 }
 
-/// Draws lines in the colour of their channel.
-pub(super) fn draw(lines: &[Line], colour: RGBColor, surface: &mut dyn Surface) -> Result<(), PlotError> {
-    lines.iter().try_for_each(|line| surface.line(line, WIDTH, colour))
+/// Draws lines, or dots, in the colour of their channel.
+pub(super) fn draw(
+    lines: &[Line],
+    dots: bool,
+    colour: RGBColor,
+    surface: &mut dyn Surface,
+) -> Result<(), PlotError> {
+    let width = if dots { DOT } else { WIDTH };
+    lines.iter().try_for_each(|line| surface.line(line, width, colour))
 }
 
 /// The stretches of points drawn without lifting the pen.
 fn runs(channel: &Channel) -> Vec<&[(f64, f64)]> {
     let points = channel.points.as_slice();
+    if channel.dots {
+        return points.chunks(1).filter(|point| is_finite(point[0])).collect();
+    }
     let mut starts: Vec<usize> = channel
         .breaks
         .iter()
@@ -103,15 +115,8 @@ mod tests {
 
     fn drawn(points: Vec<(f64, f64)>, breaks: Vec<usize>) -> Vec<Line> {
         let axis = || Axis::fit("x", "", [0.0, 10.0].into_iter(), 10);
-        let picture = Picture {
-            title: String::new(),
-            horizontal: axis(),
-            vertical: axis(),
-            vertical_right: None,
-            channels: vec![Channel { name: String::new(), points, right: false, breaks, labels: vec![] }],
-            note: None,
-            marks: vec![],
-        };
+        let channels = vec![Channel { breaks, ..Channel::line("", points) }];
+        let picture = Picture { channels, ..Picture::new("", axis(), axis()) };
         lines(&picture, &picture.channels[0], SCREEN, 1.0)
     }
 
@@ -130,6 +135,18 @@ mod tests {
         gaps[8].0 = f64::INFINITY;
         let lengths: Vec<usize> = drawn(gaps, vec![]).iter().map(Vec::len).collect();
         assert_eq!(lengths, [4, 3, 1]);
+    }
+
+    #[test]
+    fn no_line_joins_dots() {
+        let picture = |channel| {
+            let axis = || Axis::fit("x", "", [0.0, 10.0].into_iter(), 10);
+            Picture { channels: vec![channel], ..Picture::new("", axis(), axis()) }
+        };
+        let points = vec![(0.0, 0.0), (f64::NAN, 1.0), (10.0, 10.0)];
+        let picture = picture(Channel::dots("", points));
+        let drawn = lines(&picture, &picture.channels[0], SCREEN, 1.0);
+        assert_eq!(drawn, [[(0.0, 100.0)], [(100.0, 0.0)]]);
     }
 
     #[test]

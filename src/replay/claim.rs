@@ -27,6 +27,11 @@ impl Verdict {
         ("differs", Verdict::Differs),
         ("unknowable", Verdict::Unknowable),
     ];
+
+    /// The word that ledgers use.
+    pub fn word(self) -> &'static str {
+        Verdict::ALL.iter().find(|(_, verdict)| *verdict == self).map_or("", |(word, _)| word)
+    }
 }
 
 impl fmt::Display for Verdict {
@@ -43,6 +48,8 @@ impl fmt::Display for Verdict {
 /// A number or statement of the study that can be checked: a row of the ledger.
 #[derive(Debug, Clone)]
 pub struct Claim {
+    /// The title of its chapter.
+    pub chapter: &'static str,
     /// Its name, such as "7-031".
     pub id: String,
     /// Where it stands, such as "7.2, eq 31-7".

@@ -1,7 +1,7 @@
 //! The arguments of a check: "Tc=0.0065 K=45e6", in SI units, or in those of the study (kgf, um, cm/s) where the check says so.
 
-use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What is wrong with the arguments of a check.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -39,11 +39,17 @@ pub enum GivenError {
 }
 
 /// The arguments of a check, by name.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub struct Given {
     values: BTreeMap<String, String>,
     /// Names that the check asked for: one that it never asks for is misspelt.
-    asked: RefCell<BTreeSet<String>>,
+    asked: Mutex<BTreeSet<String>>,
+}
+
+impl Clone for Given {
+    fn clone(&self) -> Self {
+        Given { values: self.values.clone(), asked: Mutex::new(self.asked().clone()) }
+    }
 }
 
 impl Given {
@@ -60,12 +66,12 @@ impl Given {
                 return Err(GivenError::Twice(name.to_owned()));
             }
         }
-        Ok(Given { values, asked: RefCell::default() })
+        Ok(Given { values, asked: Mutex::default() })
     }
 
     /// An argument as it is written, if it is given.
     pub fn text(&self, name: &str) -> Option<&str> {
-        self.asked.borrow_mut().insert(name.to_owned());
+        self.asked().insert(name.to_owned());
         self.values.get(name).map(String::as_str)
     }
 
@@ -113,9 +119,13 @@ impl Given {
         })
     }
 
+    fn asked(&self) -> MutexGuard<'_, BTreeSet<String>> {
+        self.asked.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// That the check has asked for everything that is given.
     pub(super) fn all_asked(&self) -> Result<(), GivenError> {
-        let asked = self.asked.borrow();
+        let asked = self.asked();
         let left: Vec<_> = self.values.keys().filter(|name| !asked.contains(*name)).cloned().collect();
         if left.is_empty() { Ok(()) } else { Err(GivenError::NotAsked(left)) }
     }

@@ -8,15 +8,6 @@ use super::claim::{Claim, Verdict};
 use super::finding::{Printed, Within};
 use super::given::Given;
 
-/// The claims of a chapter, or of several short ones.
-#[derive(Debug)]
-pub struct Chapter {
-    /// What the page calls it.
-    pub title: &'static str,
-    /// Its claims, as they stand in the ledger.
-    pub claims: Vec<Claim>,
-}
-
 /// The files: title, name, text.
 const FILES: &[(&str, &str, &str)] = &[
     ("Chapter 2: the work of others", "chapter_2.csv", include_str!("claims/chapter_2.csv")),
@@ -50,15 +41,20 @@ pub struct LedgerError {
 ///
 /// # Errors
 /// The first row that is wrong.
-pub fn ledger() -> Result<Vec<Chapter>, LedgerError> {
-    let mut seen = HashSet::new();
-    FILES
-        .iter()
-        .map(|(title, file, text)| Ok(Chapter { title, claims: read(file, text, &mut seen)? }))
-        .collect()
+pub fn ledger() -> Result<Vec<Claim>, LedgerError> {
+    let (mut seen, mut claims) = (HashSet::new(), Vec::new());
+    for (chapter, file, text) in FILES {
+        claims.extend(read(chapter, file, text, &mut seen)?);
+    }
+    Ok(claims)
 }
 
-fn read(file: &'static str, text: &str, seen: &mut HashSet<String>) -> Result<Vec<Claim>, LedgerError> {
+fn read(
+    chapter: &'static str,
+    file: &'static str,
+    text: &str,
+    seen: &mut HashSet<String>,
+) -> Result<Vec<Claim>, LedgerError> {
     let mut reader = ReaderBuilder::new().from_reader(text.as_bytes());
     let wrong = |line: u64, problem: String| LedgerError { file, line, problem };
     let head = reader.headers().map_err(|error| wrong(1, error.to_string()))?;
@@ -69,7 +65,7 @@ fn read(file: &'static str, text: &str, seen: &mut HashSet<String>) -> Result<Ve
     for record in reader.records() {
         let record = record.map_err(|error| wrong(0, error.to_string()))?;
         let line = record.position().map_or(0, csv::Position::line);
-        let claim = claim(&record).map_err(|problem| wrong(line, problem))?;
+        let claim = claim(chapter, &record).map_err(|problem| wrong(line, problem))?;
         if !seen.insert(claim.id.clone()) {
             return Err(wrong(line, format!("there is a claim {} already", claim.id)));
         }
@@ -78,13 +74,14 @@ fn read(file: &'static str, text: &str, seen: &mut HashSet<String>) -> Result<Ve
     Ok(claims)
 }
 
-fn claim(record: &StringRecord) -> Result<Claim, String> {
+fn claim(chapter: &'static str, record: &StringRecord) -> Result<Claim, String> {
     let [id, place, says, value, unit, within, check, given, verdict, why] =
         std::array::from_fn(|column| record.get(column).unwrap_or_default().trim());
     if [id, place, says].contains(&"") {
         return Err("id, where and says have to be told".to_owned());
     }
     let claim = Claim {
+        chapter,
         id: id.to_owned(),
         place: place.to_owned(),
         says: says.to_owned(),
@@ -133,7 +130,7 @@ mod tests {
 
     fn refused(row: &str) -> String {
         let text = format!("{}\n{row}\n", COLUMNS.join(","));
-        read("f.csv", &text, &mut HashSet::new()).unwrap_err().to_string()
+        read("", "f.csv", &text, &mut HashSet::new()).unwrap_err().to_string()
     }
 
     #[test]
@@ -161,7 +158,7 @@ mod tests {
 
     #[test]
     fn other_columns_are_refused() {
-        let error = read("f.csv", "id,says\n", &mut HashSet::new()).unwrap_err();
+        let error = read("", "f.csv", "id,says\n", &mut HashSet::new()).unwrap_err();
         assert!(error.to_string().contains("the columns are not id,where"));
     }
 }

@@ -8,7 +8,7 @@ mod error;
 mod journal;
 mod pace;
 mod plan;
-mod pool;
+pub(crate) mod pool;
 mod row;
 mod table;
 

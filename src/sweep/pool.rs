@@ -15,7 +15,7 @@ const TOLD_AFTER: Duration = Duration::from_secs(1);
 /// each thread, the fastest may be so many ahead of what was taken: what waits for a slow one stays in memory. Where the
 /// system gives fewer threads, these do it all; where it gives none, this one. When `take` refuses, what has begun is
 /// finished and the rest left.
-pub(super) fn in_order<W, T: Send, E>(
+pub(crate) fn in_order<W, T: Send, E>(
     indices: Range<u64>,
     ahead: u64,
     workers: Vec<W>,

@@ -15,6 +15,7 @@ mod phases;
 mod pictures;
 mod readme;
 mod refused;
+mod replay;
 mod run;
 mod sensitivity;
 mod sweep;

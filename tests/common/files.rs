@@ -1,4 +1,4 @@
-//! Which patches there are.
+//! Which patches there are, and whether generated files are fresh.
 
 use std::path::{Path, PathBuf};
 
@@ -15,6 +15,16 @@ pub fn of_tests() -> Vec<PathBuf> {
     found.retain(|file| !file.starts_with(rooted("tests/patches/bad")));
     assert!(found.len() >= 9, "{found:?}");
     found
+}
+
+/// Holds a generated file against what it would be now, or writes it anew where that is asked for. `test` is the name of the
+/// test binary that does so.
+pub fn check_fresh(path: &str, fresh: &[u8], test: &str) {
+    if std::env::var_os("PATCHCORD_BLESS").is_some() {
+        std::fs::write(rooted(path), fresh).unwrap();
+    }
+    let stored = std::fs::read(rooted(path)).unwrap_or_default();
+    assert!(stored == fresh, "{path} is stale: PATCHCORD_BLESS=1 cargo test --test {test} rewrites it");
 }
 
 fn rooted(folder: &str) -> PathBuf {

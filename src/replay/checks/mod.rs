@@ -6,6 +6,9 @@ mod drive;
 mod falling;
 mod formula;
 mod history;
+mod limits;
+mod profiles;
+mod recordings;
 mod scaling;
 mod sliding;
 mod stability;
@@ -14,6 +17,7 @@ mod wear;
 
 use super::finding::Finding;
 use super::given::{Given, GivenError};
+use super::recipe::Problem;
 use crate::slideway::SlidewayError;
 
 /// A check: what it is called in the ledger, and how it finds what it finds.
@@ -30,6 +34,9 @@ const TABLES: &[&[Check]] = &[
     falling::CHECKS,
     formula::CHECKS,
     history::CHECKS,
+    limits::CHECKS,
+    profiles::CHECKS,
+    recordings::CHECKS,
     scaling::CHECKS,
     sliding::CHECKS,
     stability::CHECKS,
@@ -57,6 +64,15 @@ pub enum CheckError {
     /// A law that does not hold for what it is given.
     #[error(transparent)]
     Slideway(#[from] SlidewayError),
+    /// A run that cannot be made, or shows nothing.
+    #[error("{0}")]
+    Run(String),
+}
+
+impl From<Problem> for CheckError {
+    fn from(problem: Problem) -> Self {
+        CheckError::Run(problem.to_string())
+    }
 }
 
 /// Runs a check by name. It has to ask for every argument: one that it does not know would say something that is not so.
@@ -83,8 +99,7 @@ mod tests {
 
     #[test]
     fn every_check_decides_a_claim() {
-        let claims = ledger().unwrap().into_iter().flat_map(|chapter| chapter.claims);
-        let asked: HashSet<String> = claims.filter_map(|claim| claim.check).collect();
+        let asked: HashSet<String> = ledger().unwrap().into_iter().filter_map(|claim| claim.check).collect();
         let checks = TABLES.iter().copied().flatten().map(|check| check.name);
         let unused: Vec<_> = checks.filter(|name| !asked.contains(*name)).collect();
         assert!(unused.is_empty(), "{unused:?}");

@@ -1,0 +1,174 @@
+//! Documents with other values in some places, and everything else as it was written.
+
+use serde_json::Value;
+
+use super::diagnostic::Report;
+use super::document::Patch;
+use super::tree::{self, Content, Node};
+
+/// What is put where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Edit {
+    /// The keys that lead there from the document's beginning. All but the last stand in the document.
+    pub path: Vec<String>,
+    /// What stands there afterwards.
+    pub value: Value,
+}
+
+impl Edit {
+    /// A value at the end of a path such as `"parameters/VcL/value"`.
+    pub fn new(path: &str, value: impl Into<Value>) -> Edit {
+        Edit { path: path.split('/').map(str::to_owned).collect(), value: value.into() }
+    }
+}
+
+/// Why a document cannot be edited.
+#[derive(Debug, thiserror::Error)]
+pub enum EditError {
+    /// A path on which something other than the last key is missing, or is no object.
+    #[error("there is no {0} in the document")]
+    NoPlace(String),
+    /// Two edits of which one lies within the other, or of the same place.
+    #[error("{0} is edited twice")]
+    Twice(String),
+    /// What comes out is no document.
+    #[error(transparent)]
+    Text(#[from] Box<Report>),
+}
+
+/// A piece of the text that gives way to another.
+struct Patchwork {
+    start: usize,
+    end: usize,
+    text: String,
+    path: String,
+}
+
+impl Patch {
+    /// The same document with other values in some places: of the text only these change. A last key that does not stand there
+    /// is added at the end of its object. `file` is the name of what comes out.
+    ///
+    /// # Errors
+    /// When a path leads nowhere, or two edits overlap.
+    pub fn edited(&self, file: &str, edits: &[Edit]) -> Result<Patch, EditError> {
+        let root = tree::parse(self.text());
+        let root = root.map_err(|finding| Box::new(Report::new(self.file(), self.text(), vec![finding])))?;
+        let mut pieces = edits.iter().map(|edit| piece(&root, edit)).collect::<Result<Vec<_>, _>>()?;
+        pieces.sort_by_key(|piece| piece.start);
+        if let Some(pair) = pieces.windows(2).find(|pair| pair[1].start < pair[0].end) {
+            return Err(EditError::Twice(pair[1].path.clone()));
+        }
+        let mut text = self.text().to_owned();
+        // From the end, so that what stands before keeps its place.
+        for piece in pieces.iter().rev() {
+            text.replace_range(piece.start..piece.end, &piece.text);
+        }
+        Ok(Patch::parse(file, &text)?)
+    }
+}
+
+fn piece(root: &Node, edit: &Edit) -> Result<Patchwork, EditError> {
+    let path = edit.path.join("/");
+    let nowhere = || EditError::NoPlace(path.clone());
+    let (last, before) = edit.path.split_last().ok_or_else(nowhere)?;
+    let object = before.iter().try_fold(root, |node, key| child(node, key)).ok_or_else(nowhere)?;
+    let Content::Object(entries) = &object.value else { return Err(nowhere()) };
+    let text = written(&edit.value);
+    Ok(match (child(object, last), entries.last()) {
+        (Some(node), _) => Patchwork { start: node.span.start, end: node.span.end, text, path },
+        (None, Some(before)) => {
+            let at = before.value.span.end;
+            let text = format!(", {}: {text}", Value::from(last.as_str()));
+            Patchwork { start: at, end: at, text, path }
+        }
+        (None, None) => {
+            let text = format!("{{{}: {text}}}", Value::from(last.as_str()));
+            Patchwork { start: object.span.start, end: object.span.end, text, path }
+        }
+    })
+}
+
+fn child<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
+    let Content::Object(entries) = &node.value else { return None };
+    entries.iter().find(|entry| entry.key == key).map(|entry| &entry.value)
+}
+
+/// A value as a person writes it: on one line, a list of objects on a line each.
+fn written(value: &Value) -> String {
+    match value {
+        Value::Array(items) if items.iter().any(Value::is_object) => {
+            let lines: Vec<_> = items.iter().map(|item| format!("    {}", on_one_line(item))).collect();
+            format!("[\n{}\n  ]", lines.join(",\n"))
+        }
+        _ => on_one_line(value),
+    }
+}
+
+fn on_one_line(value: &Value) -> String {
+    match value {
+        Value::Array(items) => {
+            let items: Vec<_> = items.iter().map(on_one_line).collect();
+            format!("[{}]", items.join(", "))
+        }
+        Value::Object(entries) => {
+            let told = |(key, value): (&String, &Value)| {
+                format!("{}: {}", Value::from(key.as_str()), on_one_line(value))
+            };
+            let entries: Vec<_> = entries.iter().map(told).collect();
+            format!("{{{}}}", entries.join(", "))
+        }
+        _ => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    const TEXT: &str = r#"{
+  "patchcord": 1,
+  "parameters": {"K":  {"value": 45e6, "unit": "N/m"}},
+  "run": {"for": 8},
+  "empty": {}
+}
+"#;
+
+    fn edited(edits: &[Edit]) -> Result<Patch, EditError> {
+        Patch::parse("old.json", TEXT).unwrap().edited("new.json", edits)
+    }
+
+    #[test]
+    fn nothing_but_the_places_named_changes() {
+        let edits = [
+            Edit::new("run/every", 0.5),
+            Edit::new("parameters/K/value", 1e3),
+            Edit::new("pictures", json!([{"x": "t", "y": ["x", "v"]}])),
+            Edit::new("empty/key", "text"),
+        ];
+        let patch = edited(&edits).unwrap();
+        let text = r#"{
+  "patchcord": 1,
+  "parameters": {"K":  {"value": 1000.0, "unit": "N/m"}},
+  "run": {"for": 8, "every": 0.5},
+  "empty": {"key": "text"}, "pictures": [
+    {"x": "t", "y": ["x", "v"]}
+  ]
+}
+"#;
+        assert_eq!((patch.text(), patch.file()), (text, "new.json"));
+    }
+
+    #[test]
+    fn what_leads_nowhere_or_meets_another_edit_is_refused() {
+        let told = |edits: &[Edit]| edited(edits).unwrap_err().to_string();
+        assert_eq!(
+            told(&[Edit::new("parameters/M/value", 1)]),
+            "there is no parameters/M/value in the document"
+        );
+        assert_eq!(told(&[Edit::new("patchcord/x", 1)]), "there is no patchcord/x in the document");
+        let within = [Edit::new("parameters/K", json!({})), Edit::new("parameters/K/value", 1)];
+        assert_eq!(told(&within), "parameters/K/value is edited twice");
+        assert_eq!(told(&[Edit::new("run/for", 1), Edit::new("run/for", 2)]), "run/for is edited twice");
+    }
+}

@@ -1,0 +1,138 @@
+//! What recordings of the circuits at a steady command decide.
+//!
+//! Arguments are those of the profiles, and `at`, the command in m/s.
+
+use super::super::boundary::RATE;
+use super::super::finding::Finding;
+use super::super::given::Given;
+use super::super::recipe::{Recipe, Replayed};
+use super::profiles::recipe;
+use super::{Check, CheckError};
+use crate::slideway::falling::FallingFriction;
+use crate::slideway::units::MM_PER_S;
+
+pub(super) const CHECKS: &[Check] = &[
+    Check { name: "steady-curve", run: steady_curve },
+    Check { name: "oscillation-frequency", run: oscillation_frequency },
+    Check { name: "frequency-rises", run: frequency_rises },
+    Check { name: "keeps-oscillating", run: keeps_oscillating },
+    Check { name: "comes-to-rest", run: comes_to_rest },
+    Check { name: "never-turns-back", run: never_turns_back },
+    Check { name: "even-halves", run: even_halves },
+    Check { name: "loops-shrink", run: loops_shrink },
+    Check { name: "follows-linearly", run: follows_linearly },
+];
+
+/// A run at a steady command, four seconds long.
+fn steady(recipe: Recipe, command: f64) -> Result<Replayed, CheckError> {
+    let recipe = recipe.set("v_start", command).set("v_rate", 0.0).lasting(4.0).every(2e-4);
+    Ok(recipe.recording(&["v_o", "spring_force"]).run("steady", "")?)
+}
+
+/// Least and largest velocity of its last second, in mm/s.
+fn range(run: &Replayed) -> Result<(f64, f64), CheckError> {
+    let velocity = run.values("v_o")?;
+    let settled = &velocity[3 * velocity.len() / 4..];
+    let (least, most) = settled.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| {
+        (f64::min(least, *value), f64::max(most, *value))
+    });
+    Ok((least / MM_PER_S, most / MM_PER_S))
+}
+
+fn frequency(run: &Replayed) -> Result<f64, CheckError> {
+    let read = run.measure("frequency:spring_force,last=1")?[0];
+    read.ok_or_else(|| CheckError::Run("no oscillation is seen".to_owned()))
+}
+
+/// How far the spring force of a minute's way to VcL lies from the steady curve at most, in percent of Fs: after five time
+/// constants, when the lag has forgotten that the table stood.
+fn steady_curve(given: &Given) -> Result<Finding, CheckError> {
+    let limit = given.number("VcL")?;
+    let run = recipe(given)?.set("v_rate", limit / 60.0).lasting(60.0).every(2e-3);
+    let run = run.recording(&["v_o", "spring_force"]).run("steady", "")?;
+    let friction = FallingFriction::simulated(limit);
+    let (mut furthest, settled) = (0.0_f64, 5.0 * given.number("Tc")?);
+    for (time, (velocity, force)) in
+        run.trace.time.iter().zip(run.points(("v_o", 1.0), ("spring_force", 1.0))?)
+    {
+        if *time > settled {
+            furthest = furthest.max((force - friction.total(velocity, 10.7e3)?).abs());
+        }
+    }
+    Ok(Finding::Number(100.0 * furthest / friction.static_friction))
+}
+
+/// Cycles a second of the spring force, in Hz.
+fn oscillation_frequency(given: &Given) -> Result<Finding, CheckError> {
+    Ok(Finding::Number(frequency(&steady(recipe(given)?, given.number("at")?)?)?))
+}
+
+/// Whether the frequency rises from each command to the next.
+fn frequency_rises(given: &Given) -> Result<Finding, CheckError> {
+    let at = |command: &f64| frequency(&steady(recipe(given)?, *command)?);
+    let frequencies = given.numbers("at")?.iter().map(at).collect::<Result<Vec<_>, _>>()?;
+    let told: Vec<_> = frequencies.iter().map(|frequency| format!("{frequency:.1}")).collect();
+    let holds = frequencies.windows(2).all(|pair| pair[1] > pair[0]);
+    Ok(Finding::shape(holds, format!("{} Hz", told.join(", "))))
+}
+
+/// Whether it still oscillates, by more than 0.25 mm/s, in the fourth second.
+fn keeps_oscillating(given: &Given) -> Result<Finding, CheckError> {
+    let (least, most) = range(&steady(recipe(given)?, given.number("at")?)?)?;
+    Ok(Finding::truth(most - least > 0.25, format!("{least:.2} ... {most:.2} mm/s")))
+}
+
+/// Whether it comes to rest in every cycle, to 1 % of the command, as stated.
+fn comes_to_rest(given: &Given) -> Result<Finding, CheckError> {
+    let (rests, command) = (given.word("it", &[("rests", true), ("slides", false)])?, given.number("at")?);
+    let (least, most) = range(&steady(recipe(given)?, command)?)?;
+    let comes_to_rest = least <= 0.01 * command / MM_PER_S;
+    Ok(Finding::truth(comes_to_rest == rests, format!("{least:.2} ... {most:.2} mm/s")))
+}
+
+/// Whether it never moves against the command, by 1 % of it.
+fn never_turns_back(given: &Given) -> Result<Finding, CheckError> {
+    let command = given.number("at")?;
+    let (least, most) = range(&steady(recipe(given)?, command)?)?;
+    Ok(Finding::truth(least > -0.01 * command / MM_PER_S, format!("{least:.2} ... {most:.2} mm/s")))
+}
+
+/// Whether velocity swings as far above the command as below it, to 5 % of the swing, as stated.
+fn even_halves(given: &Given) -> Result<Finding, CheckError> {
+    let (even, command) = (given.word("halves", &[("even", true), ("uneven", false)])?, given.number("at")?);
+    let (least, most) = range(&steady(recipe(given)?, command)?)?;
+    let (below, above) = (command / MM_PER_S - least, most - command / MM_PER_S);
+    let is_even = (above - below).abs() <= 0.05 * (above + below);
+    Ok(Finding::truth(is_even == even, format!("{above:.2} mm/s above and {below:.2} mm/s below")))
+}
+
+/// Whether the loop of force against velocity is the smaller at the higher command, and the force of steady sliding lies within both.
+fn loops_shrink(given: &Given) -> Result<Finding, CheckError> {
+    let friction = FallingFriction::simulated(given.number("VcL")?);
+    let mut swings = Vec::new();
+    let mut surrounds = true;
+    for command in given.numbers("at")? {
+        let run = steady(recipe(given)?, command)?;
+        let force = run.values("spring_force")?;
+        let settled = &force[3 * force.len() / 4..];
+        let least = settled.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = settled.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (low, high) = range(&run)?;
+        surrounds &= (least..most).contains(&friction.total(command, 10.7e3)?);
+        swings.push((high - low, most - least));
+    }
+    let told: Vec<_> = swings.iter().map(|(v, force)| format!("{v:.2} mm/s by {force:.0} N")).collect();
+    let shrinks = swings.windows(2).all(|pair| pair[1].0 < pair[0].0 && pair[1].1 < pair[0].1);
+    Ok(Finding::shape(shrinks && surrounds, told.join(", then ")))
+}
+
+/// How far velocity lies from the command of a table without solid friction, once its first swings are over, in percent of the
+/// command.
+fn follows_linearly(_: &Given) -> Result<Finding, CheckError> {
+    let recipe = Recipe::of("fig-8-04").set("x_step", 0.0).set("v_rate", RATE).lasting(8.0);
+    let run = recipe.every(1e-3).recording(&["v_i", "v_o"]).run("linear", "")?;
+    let points = run.points(("v_i", 1.0), ("v_o", 1.0))?;
+    let settled = points.iter().skip(points.len() / 8);
+    let furthest = settled.map(|(command, velocity)| (velocity / command - 1.0).abs()).fold(0.0, f64::max);
+    Ok(Finding::Number(100.0 * furthest))
+}

@@ -1,0 +1,137 @@
+//! Chapter 8, third part: critical velocities of many settings.
+
+use super::graph::{by_ratio, evenly};
+use super::{Drawn, Figure, Graph, Recipe, told};
+use crate::replay::boundary::{self, MEMORIES, RATE, axis, of_memory};
+use crate::replay::recipe::{Problem, number};
+use crate::slideway::falling::FallingFriction;
+use crate::slideway::simulated::SLOPE_BY_MEMORY;
+use crate::slideway::stability::DrivenTable;
+use crate::slideway::units::{MM_PER_S, MS, N_PER_MM, N_S_PER_MM};
+
+/// The figures, in their order.
+pub(super) const FIGURES: &[Figure] = &[
+    Figure {
+        id: "fig-8-30",
+        place: "8.5, eq 40-8 ... 45-8",
+        title: "critical velocity against VcL, for time constants of 6 ... 25 ms",
+        claims: &["8-134", "8-137", "8-139", "8-140", "8-141.a", "8-141.b", "8-142"],
+        draw: by_limit,
+    },
+    Figure {
+        id: "fig-8-31",
+        place: "8.5, eq 46-8 ... 51-8",
+        title: "critical velocity against Tc, for three values of VcL",
+        claims: &["8-143.a", "8-143.b", "8-144", "8-145", "8-146", "8-147"],
+        draw: by_memory,
+    },
+    Figure {
+        id: "fig-8-35",
+        place: "8.5",
+        title: "critical velocity against drive stiffness",
+        claims: &[],
+        draw: by_stiffness,
+    },
+];
+
+/// Of the sweep's time constants these are drawn, in s.
+const DRAWN: [f64; 5] = [0.006, 0.0071, 0.010, 0.015, 0.025];
+
+fn by_limit(figure: &Figure) -> Result<Drawn, Problem> {
+    let ceased = boundary::sweep()?;
+    let mut simulated =
+        Graph::new("(a) simulated, command rising at 1.2 mm/s2", ("VcL", "mm/s"), ("Vc", "mm/s"));
+    let mut printed =
+        Graph::new("(b) by the study's law, Cn = 7.5e4 Tc^1.54", ("VcL", "mm/s"), ("Vc", "mm/s"));
+    (simulated, printed) = (simulated.up(0.0, 14.0), printed.up(0.0, 14.0));
+    for memory in DRAWN {
+        let name = format!("Tc = {}", told(memory, "s"));
+        let points = of_memory(ceased, memory)
+            .filter_map(|ceased| Some((ceased.limit / MM_PER_S, ceased.velocity? / MM_PER_S)));
+        simulated = simulated.line(&name, points.collect());
+        let slope = SLOPE_BY_MEMORY.at(memory) * N_S_PER_MM;
+        let law = evenly(0.5e-3, 25.4e-3, 100).filter_map(|limit| {
+            let velocity = FallingFriction::simulated(limit).velocity_at_slope(slope).ok()?;
+            Some((limit / MM_PER_S, velocity / MM_PER_S))
+        });
+        printed = printed.line(&name, law.collect());
+    }
+    let (_, law) = boundary::slopes_at_tops(ceased)?;
+    let tops: Vec<_> = MEMORIES.iter().filter_map(|memory| boundary::top(ceased, *memory)).collect();
+    let (first, last) = (tops[0], tops[tops.len() - 1]);
+    let reading = format!(
+        "the highest is {} at 6 ms, at VcL = {}, and {} at 25 ms; slopes at the tops go with {:.2e} Tc^{:.2} N s/mm",
+        told(first.velocity.unwrap_or_default(), "m/s"),
+        told(first.limit, "m/s"),
+        told(last.velocity.unwrap_or_default(), "m/s"),
+        law.factor,
+        law.exponent,
+    );
+    let run = figure.run(&Recipe::of("fig-8-16").set("VcL", 15.24e-3).lasting(12.0), "")?;
+    Drawn::of_runs(&[&run], vec![simulated.picture(), printed.picture()], run.settings(), reading)
+}
+
+fn by_memory(figure: &Figure) -> Result<Drawn, Problem> {
+    let limits = [2.54e-3, 10.16e-3, 25.4e-3];
+    let ceased = boundary::sweep()?;
+    let mut graph =
+        Graph::new(&figure.heading(), ("Tc", "ms"), ("Vc", "mm/s")).across(0.0, 25.0).up(0.0, 24.0);
+    for limit in limits {
+        let at = ceased.iter().filter(|ceased| (ceased.limit - limit).abs() < 1e-9);
+        let points = at.filter_map(|ceased| Some((ceased.memory / MS, ceased.velocity? / MM_PER_S)));
+        graph = graph.dots(format!("simulated, VcL = {}", told(limit, "m/s")), points.collect());
+    }
+    for limit in limits {
+        let law = by_ratio(0.5e-3, 25e-3, 200).filter_map(|memory| {
+            let friction = FallingFriction::simulated(limit);
+            let velocity = DrivenTable::simulated(memory).critical_velocity(&friction).ok()?;
+            (velocity > 0.0).then_some((memory / MS, velocity / MM_PER_S))
+        });
+        graph = graph.line(format!("Routh-Hurwitz, {}", told(limit, "m/s")), law.collect());
+    }
+    let limiting = FallingFriction::simulated(25.4e-3).velocity_of_least(10.7e3)?;
+    let reading = format!(
+        "as Tc tends to 0, Vc tends to VcL (1 - f VcL / (2 Fs)): {} for 25.4 mm/s, not 25.4 mm/s",
+        told(limiting, "m/s")
+    );
+    let run = figure.run(&Recipe::of("fig-8-16").set("VcL", 10.16e-3).lasting(12.0), "")?;
+    Drawn::of_runs(&[&run], vec![graph.picture()], run.settings(), reading)
+}
+
+/// The stiffnesses of the study's tests lie within 5 ... 45 kN/mm; in N/m.
+const STIFFNESSES: [f64; 9] = [5e6, 7.5e6, 10e6, 12.5e6, 15e6, 20e6, 25e6, 30e6, 45e6];
+
+fn by_stiffness(figure: &Figure) -> Result<Drawn, Problem> {
+    let limit = 40e-3;
+    // A3 stands at 100 V at 25.4 mm/s: what moves faster is beyond the machine.
+    let recipe = Recipe::of("fig-8-16").set("VcL", limit).set("Tc", 0.0071).set("v_rate", RATE).lasting(20.0);
+    let rows = recipe.sweep(&[axis("K", &STIFFNESSES)], &["critical_velocity"])?;
+    let simulated: Vec<_> = rows
+        .into_iter()
+        .filter_map(|row| {
+            let velocity = row.cells.into_iter().next().flatten().and_then(number)?;
+            Some((row.values[0] / N_PER_MM / 1e3, velocity / MM_PER_S))
+        })
+        .collect();
+    let friction = FallingFriction::simulated(limit);
+    let stiffnesses = by_ratio(4e6, 45e6, 100);
+    let theory = stiffnesses.clone().filter_map(|stiffness| {
+        let table = DrivenTable { stiffness, ..DrivenTable::simulated(0.0071) };
+        let velocity = table.critical_velocity(&friction).ok()?;
+        (velocity > 0.0).then_some((stiffness / N_PER_MM / 1e3, velocity / MM_PER_S))
+    });
+    let law = stiffnesses.filter_map(|stiffness| {
+        let slope = crate::slideway::simulated::SLOPE_BY_STIFFNESS.at(stiffness / N_PER_MM) * N_S_PER_MM;
+        Some((stiffness / N_PER_MM / 1e3, friction.velocity_at_slope(slope).ok()? / MM_PER_S))
+    });
+    let graph = Graph::new(&figure.heading(), ("K", "kN/mm"), ("Vc", "mm/s"))
+        .across(0.0, 50.0)
+        .up(0.0, 40.0)
+        .dots("simulated", simulated.clone())
+        .line("Routh-Hurwitz", theory.collect())
+        .line("the study's Cn = 16 K^0.077", law.collect());
+    let told: Vec<_> = simulated.iter().map(|(k, v)| format!("{v:.1} at {k:.0}")).collect();
+    let reading = format!("it falls as the drive gets stiffer: {} mm/s at kN/mm", told.join(", "));
+    let run = figure.run(&recipe, "")?;
+    Drawn::of_runs(&[&run], vec![graph.picture()], run.settings(), reading)
+}

@@ -1,0 +1,80 @@
+//! `patchcord replay`: figures of the study drawn again, beside their claims.
+
+use std::fs;
+
+use patchcord::patch::Patch;
+use patchcord::replay::{Sheet, figures};
+
+use super::{code, errors, json, out, patchcord, path};
+
+#[test]
+fn without_a_name_the_figures_are_listed() {
+    let listed = patchcord(&["replay"]);
+    assert_eq!(code(&listed), 0);
+    assert!(out(&listed).contains("fig-8-24"), "{}", out(&listed));
+    let ids = json(&patchcord(&["replay", "--json"]));
+    assert_eq!(ids["figures"].as_array().unwrap().len(), figures().count());
+}
+
+#[test]
+fn a_figure_comes_with_its_picture_its_patch_and_a_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let into = path(&folder, "out");
+    let told = patchcord(&["replay", "fig-8-24", "--out", &into]);
+    assert_eq!(code(&told), 0, "{}", errors(&told));
+    assert!(out(&told).contains("oscillation ends at 7.924 mm/s"), "{}", out(&told));
+    let written = |name: &str| fs::read_to_string(path(&folder, &format!("out/{name}"))).unwrap();
+    assert!(roxmltree::Document::parse(&written("fig-8-24.svg")).is_ok());
+    let page = written("index.html");
+    for part in ["src=\"fig-8-24.svg\"", "href=\"fig-8-24.json\"", "8-122.a", "Fig 8.24: "] {
+        assert!(page.contains(part), "{part}");
+    }
+    let again =
+        patchcord(&["run", &path(&folder, "out/fig-8-24.json"), "--plot", &path(&folder, "again.svg")]);
+    assert_eq!(code(&again), 0, "{}", errors(&again));
+    assert_eq!(written("fig-8-24.svg"), fs::read_to_string(path(&folder, "again.svg")).unwrap());
+}
+
+#[test]
+fn the_document_holds_figures_and_claims() {
+    let document = json(&patchcord(&["replay", "fig-8-34", "--json"]));
+    let figure = &document["figures"][0];
+    assert_eq!((&figure["id"], &figure["number"]), (&"fig-8-34".into(), &"Fig 8.34".into()));
+    let claims = document["claims"].as_array().unwrap();
+    let caption = claims.iter().find(|claim| claim["id"] == "8-152.c").unwrap();
+    for key in ["where", "says", "got", "difference", "verdict", "why"] {
+        assert!(caption[key].is_string(), "{key}");
+    }
+    assert_eq!(caption["verdict"], "reproduced");
+}
+
+#[test]
+fn what_cannot_be_replayed_is_told() {
+    let refused = |arguments: &[&str]| {
+        let output = patchcord(&[&["replay"], arguments].concat());
+        assert_eq!(code(&output), 2);
+        errors(&output)
+    };
+    assert!(refused(&["fig-8-42"]).contains("there is no figure fig-8-42; did you mean"));
+    assert!(refused(&["fig-8-24", "fig-8-25", "--plot", "x.svg"]).contains("--plot draws one figure"));
+    assert!(refused(&["fig-8-24", "--plot", "x.jpg"]).contains("x.jpg"));
+    assert!(refused(&["--out", "x"]).contains("which figure?"));
+}
+
+#[test]
+fn every_figure_is_drawn_with_a_reading_and_patches_that_check() {
+    for figure in figures() {
+        let drawn = figure.draw().unwrap_or_else(|error| panic!("{error}"));
+        assert!(!drawn.reading.is_empty() && !drawn.settings.is_empty(), "{}", figure.id);
+        if let Sheet::Pictures(pictures) = &drawn.sheet {
+            let points =
+                pictures.iter().flat_map(|picture| &picture.channels).map(|channel| channel.points.len());
+            assert!(points.min().unwrap() > 0, "{}: an empty channel", figure.id);
+        }
+        for patch in &drawn.patches {
+            assert!(patch.file().starts_with(figure.id), "{}", patch.file());
+            let read = Patch::parse(patch.file(), patch.text()).unwrap();
+            patchcord::circuit::Circuit::new(&read, &[]).unwrap_or_else(|report| panic!("{report}"));
+        }
+    }
+}
