@@ -157,8 +157,26 @@ fn the_page_tells_what_is_measured() {
             format!("at {} mm/s, while the command rises", millimetres(by_a_ramp(), 2)),
             format!("die away above {} mm/s, by Routh", millimetres(boundary(), 2)),
             lag_sentence(),
+            damping_sentence(),
         ],
     );
+}
+
+/// What two slow multipliers take of the damping ratio, what viscous friction gives, and what falling friction leaves of that.
+fn damping_sentence() -> String {
+    let table = DrivenTable::simulated(0.0065);
+    let (frequency, viscous) = (table.natural_frequency().unwrap(), table.damping_ratio().unwrap());
+    let [(_, solid), (_, vcl)] = FRICTION;
+    let slope = 2.0 * solid * (vcl - 9e-3) / (vcl * vcl);
+    // This share of what follows with the lag Tc is in phase with the velocity.
+    let in_phase = 1.0 / (1.0 + (frequency * table.memory).powi(2));
+    let left = viscous * (1.0 - slope * in_phase / table.damping);
+    // Each lag takes half of its angle at the natural frequency.
+    let taken = 2.0 * 0.5 * frequency * SLOW[1];
+    let gives = format!(
+        "Viscous friction gives {viscous:.3}, and at 9 mm/s falling friction leaves {left:.3} of that"
+    );
+    format!("a damping ratio of {taken:.3}. {gives}")
 }
 
 /// The command above which small motions of Nakashima's slideway die away, in m/s.

@@ -1,4 +1,4 @@
-//! Singh's arrangement cannot oscillate, at any setting, and is right on critical velocities nevertheless.
+//! Singh's arrangement keeps up no oscillation at any setting, and is right on critical velocities nevertheless.
 
 use patchcord::slideway::history::Slip;
 
@@ -51,7 +51,7 @@ pub fn grid(falling: f64) -> Vec<Swing> {
 }
 
 #[test]
-fn it_does_not_oscillate_at_any_setting() {
+fn no_oscillation_lasts_at_any_setting() {
     for falling in FALLING {
         for swing in grid(falling) {
             let goes = if falling < 1.0 { swing.dies_away() } else { swing.grows_into_overload() };
