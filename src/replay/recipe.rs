@@ -16,6 +16,7 @@ pub(super) type Problem = Box<dyn std::error::Error + Send + Sync>;
 
 /// The shipped circuits that figures and checks begin from: name and document.
 const CIRCUITS: &[(&str, &str)] = &[
+    ("fig-4-07", include_str!("../../patches/thesis/fig-4-07.json")),
     ("fig-8-04", include_str!("../../patches/thesis/fig-8-04.json")),
     ("fig-8-05", include_str!("../../patches/thesis/fig-8-05.json")),
     ("fig-8-06", include_str!("../../patches/thesis/fig-8-06.json")),

@@ -12,6 +12,7 @@ use crate::slideway::units::{N_PER_MM, N_S_PER_MM};
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "slope-exponent", run: slope_exponent },
     Check { name: "slope-where-it-ends", run: slope_where_it_ends },
+    Check { name: "slope-by-disturbance", run: slope_by_disturbance },
     Check { name: "slope-spread", run: slope_spread },
     Check { name: "slope-exponent-by-stiffness", run: slope_exponent_by_stiffness },
     Check { name: "tops-fall", run: tops_fall },
@@ -38,6 +39,17 @@ fn slope_where_it_ends(given: &Given) -> Result<Finding, CheckError> {
         .ok_or_else(|| CheckError::Run(format!("no ramp was made with Tc = {memory} s")))
 }
 
+/// Cn in N s/mm on the boundary of small disturbances of steady sliding.
+fn slope_by_disturbance(given: &Given) -> Result<Finding, CheckError> {
+    Ok(Finding::Number(disturbed_slope(given.number("Tc")?, given.number("VcL")?)?))
+}
+
+fn disturbed_slope(memory: f64, limit: f64) -> Result<f64, CheckError> {
+    let velocity = undisturbed(&[("VcL", limit), ("Tc", memory)], limit)?;
+    let velocity = velocity.ok_or_else(|| CheckError::Run("no disturbance grows".to_owned()))?;
+    Ok(FallingFriction::simulated(limit).slope(velocity)? / N_S_PER_MM)
+}
+
 /// How far Cn at one time constant lies apart at different VcL, in percent of its mean.
 fn slope_spread(given: &Given) -> Result<Finding, CheckError> {
     let (memory, limits) = (given.number("Tc")?, given.numbers("VcL")?);
@@ -45,12 +57,7 @@ fn slope_spread(given: &Given) -> Result<Finding, CheckError> {
     let slopes: Vec<f64> = if by_ramp {
         boundary::ramps(&[memory], &limits, RATE)?.iter().filter_map(boundary::Ceased::slope).collect()
     } else {
-        let slope = |limit: &f64| {
-            let velocity = undisturbed(&[("VcL", *limit), ("Tc", memory)], *limit)?;
-            let velocity = velocity.ok_or_else(|| CheckError::Run("no disturbance grows".to_owned()))?;
-            Ok::<_, CheckError>(FallingFriction::simulated(*limit).slope(velocity)? / N_S_PER_MM)
-        };
-        limits.iter().map(slope).collect::<Result<_, _>>()?
+        limits.iter().map(|limit| disturbed_slope(memory, *limit)).collect::<Result<_, _>>()?
     };
     let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
     let (least, most) = slopes

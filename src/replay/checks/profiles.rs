@@ -8,7 +8,8 @@ use super::super::finding::Finding;
 use super::super::given::Given;
 use super::super::recipe::{Critical, Recipe, number};
 use super::{Check, CheckError};
-use crate::slideway::falling::FallingFriction;
+use crate::slideway::falling::{FallingFriction, stable_limit};
+use crate::slideway::stability::DrivenTable;
 use crate::slideway::units::MM_PER_S;
 
 pub(super) const CHECKS: &[Check] = &[
@@ -96,36 +97,39 @@ fn rising_above_falling(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::truth(rising > falling, format!("{rising:.2} mm/s rising, {falling:.2} mm/s falling")))
 }
 
-/// Whether no settings out of many at random make the falling critical velocity the higher one: K, f, VcL and Tc anywhere within
-/// the ranges of 8.4 and of table T9-2.
+/// Whether no settings out of many make the falling critical velocity the higher one: K, f and Tc anywhere within the ranges of 8.4
+/// and table T9-2, VcL up to that from which on there is no oscillation.
 fn never_reversed(given: &Given) -> Result<Finding, CheckError> {
     let count = given.number("settings")? as u64;
     let turn = HIGHEST / RATE;
     let recipe = Recipe::of("fig-8-16").set("v_turn", turn).lasting(2.0 * turn);
-    let rows = recipe.sweep_rows(
-        &["K", "f", "VcL", "Tc"],
-        (0..count).map(settings).collect(),
-        &["critical_velocity"],
-    )?;
-    let critical = rows.into_iter().filter_map(|row| {
+    let settings = (0..count).map(settings).collect::<Result<_, _>>()?;
+    let rows = recipe.sweep_rows(&["K", "f", "Tc", "VcL"], settings, &["critical_velocity"])?;
+    let critical = rows.into_iter().map(|row| {
         let mut cells = row.cells.into_iter().map(|cell| cell.and_then(number));
-        Some((cells.next()??, cells.next()??))
+        (cells.next().flatten(), cells.next().flatten())
     });
-    let both: Vec<_> = critical.collect();
-    let reversed = both.iter().filter(|(rising, falling)| falling >= rising).count();
-    let found = format!("{reversed} of {} that oscillate both ways, out of {count} settings", both.len());
-    Ok(Finding::truth(reversed == 0 && !both.is_empty(), found))
+    let falling: Vec<_> = critical.filter_map(|(rising, falling)| Some((rising, falling?))).collect();
+    let reversed =
+        falling.iter().filter(|(rising, falling)| rising.is_none_or(|rising| *falling >= rising)).count();
+    let found = format!(
+        "{reversed} of {} that oscillate again as the command falls, out of {count} settings",
+        falling.len()
+    );
+    Ok(Finding::truth(reversed == 0 && !falling.is_empty(), found))
 }
 
 /// Settings by their number: a sequence that fills the ranges evenly, the multiples of powers of the root of x^5 = x + 1.
-fn settings(number: u64) -> Vec<f64> {
+fn settings(number: u64) -> Result<Vec<f64>, CheckError> {
     const ROOT: f64 = 1.167_303_978_261_418_7;
-    const RANGES: [(f64, f64); 4] = [(11e6, 45e6), (5e3, 21.4e3), (1.27e-3, 25.4e-3), (0.006, 0.025)];
-    let value = |(place, (low, high)): (usize, &(f64, f64))| {
-        let share = (0.5 + (number + 1) as f64 / ROOT.powi(place as i32 + 1)).fract();
-        low + share * (high - low)
-    };
-    RANGES.iter().enumerate().map(value).collect()
+    const RANGES: [(f64, f64); 3] = [(11e6, 45e6), (5e3, 21.4e3), (0.006, 0.025)];
+    const LIMIT: (f64, f64) = (1.27e-3, 25.4e-3);
+    let share = |place: i32| (0.5 + (number + 1) as f64 / ROOT.powi(place)).fract();
+    let between = |(low, high): (f64, f64), place: i32| low + share(place) * (high - low);
+    let [stiffness, damping, memory] = [0, 1, 2].map(|place| between(RANGES[place], place as i32 + 1));
+    let table = DrivenTable { stiffness, damping, ..DrivenTable::simulated(memory) };
+    let limit = stable_limit(771.0, table.critical_slope()?)?.min(LIMIT.1);
+    Ok(vec![stiffness, damping, memory, between((LIMIT.0, limit), 4)])
 }
 
 /// Whether a critical velocity moves as stated when one setting goes from one value to another: `vary` names it, `rate` among

@@ -230,9 +230,10 @@ fn straight_lines(figure: &Figure) -> Result<Drawn, Problem> {
         let run = straight(figure, limit, which)?;
         let (velocity, level) = (run.values("v_o")?, run.values("friction_level")?);
         let friction = velocity.iter().zip(&level).filter(|(velocity, _)| **velocity > 0.0);
-        let points =
+        let mut points: Vec<_> =
             friction.map(|(velocity, level)| (velocity / MM_PER_S, level + 10.7e3 * velocity)).collect();
-        graph = graph.dots(format!("VcL = {}", told(limit, "m/s")), points);
+        points.sort_by(|one, other| one.0.total_cmp(&other.0));
+        graph = graph.line(format!("VcL = {}", told(limit, "m/s")), points);
         runs.push(run);
     }
     let reading = "friction falls from 771 N to the line of viscous friction, f v, which it meets at VcL: dead-zone level and \

@@ -11,7 +11,7 @@ use crate::replay::boundary::{RATE, axis};
 use crate::replay::recipe::{Problem, Replayed, number};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::stability::DrivenTable;
-use crate::slideway::units::MM_PER_S;
+use crate::slideway::units::{MM_PER_S, UM};
 
 /// The figures, in their order.
 pub(super) const FIGURES: &[Figure] = &[
@@ -176,24 +176,30 @@ fn characteristic(figure: &Figure) -> Result<Drawn, Problem> {
     Drawn::of_runs(&runs.iter().collect::<Vec<_>>(), vec![graph.picture()], settings, reading)
 }
 
+/// VcL and command of the stick-slip recordings, in m/s: the table rests for two thirds of the time, and does not turn back.
+const STICKING: (f64, f64) = (3.81e-3, 0.3e-3);
+
 /// Stick-slip as the next three recordings show it.
 fn stick_slip(figure: &Figure, y: &[&[&str]]) -> Result<Replayed, Problem> {
-    let recipe = steady(final_circuit(), 1e-3).lasting(0.6).every(2e-4);
+    let (limit, command) = STICKING;
+    let recipe = steady(Recipe::of("fig-8-16").set("VcL", limit), command).lasting(1.0).every(2e-4);
     figure.run(&y.iter().fold(recipe, |recipe, y| recipe.picture("", "t", y)), "")
 }
 
 fn position_and_velocity(figure: &Figure) -> Result<Drawn, Problem> {
     let run = stick_slip(figure, &[&["v_i", "v_o"]])?;
-    let error = run.values("x_error")?;
-    let output = run.trace.time.iter().zip(error);
-    let output = output.map(|(time, error)| (*time, (1e-3 * time - error) / 1e-3)).collect();
-    let command = run.trace.time.iter().map(|time| (*time, *time)).collect();
-    let position = Graph::new("position", ("t", "s"), ("x", "mm")).line("x_i", command).line("x_o", output);
+    let along = |time: f64| STICKING.1 * time;
+    let output = run.trace.time.iter().zip(run.values("x_error")?);
+    let output = output.map(|(time, error)| (*time, (along(*time) - error) / UM)).collect();
+    let command = run.trace.time.iter().map(|time| (*time, along(*time) / UM)).collect();
+    let position = Graph::new("position", ("t", "s"), ("x", "um")).line("x_i", command).line("x_o", output);
     let mut pictures = vec![position.note(run.settings()).picture()];
     pictures.extend(run.pictures()?.into_iter().map(|picture| titled(picture, "velocity")));
-    let slips = run.measure("frequency:v_o,last=0.4")?[0].unwrap_or_default();
-    let reading =
-        format!("the table rests and jumps, {slips:.1} times a second, while the command goes on at 1 mm/s");
+    let slips = run.measure("frequency:v_o,last=0.8")?[0].unwrap_or_default();
+    let command = told(STICKING.1, "m/s");
+    let reading = format!(
+        "the table rests and jumps, {slips:.1} times a second, while the command goes on at {command}"
+    );
     Drawn::of_runs(&[&run], pictures, run.settings(), reading)
 }
 
@@ -206,22 +212,25 @@ fn velocity_and_acceleration(figure: &Figure) -> Result<Drawn, Problem> {
 
 fn position_error(figure: &Figure) -> Result<Drawn, Problem> {
     let run = stick_slip(figure, &[&["x_error"]])?;
-    let swing = run.measure("amplitude:x_error,last=0.4")?[0].unwrap_or_default();
+    let swing = run.measure("amplitude:x_error,last=0.8")?[0].unwrap_or_default();
     let reading =
         format!("a saw tooth of {}: the drive is wound up while the table rests", told(2.0 * swing, "m"));
     Drawn::of_run(&run, reading)
 }
 
 /// Spring force against velocity at a steady command, over the last cycles, with the steady curve.
-fn dynamic_loop(figure: &Figure, command: f64) -> Result<(Replayed, FrictionLoop, Picture), Problem> {
-    let recipe = steady(final_circuit(), command).lasting(2.0).every(1e-4);
+fn dynamic_loop(
+    figure: &Figure,
+    (limit, command): (f64, f64),
+) -> Result<(Replayed, FrictionLoop, Picture), Problem> {
+    let recipe = steady(Recipe::of("fig-8-16").set("VcL", limit), command).lasting(2.0).every(1e-4);
     let run = figure.run(&recipe.picture("", "v_o", &["spring_force"]), "")?;
     let (velocity, force) = (run.values("v_o")?, run.values("spring_force")?);
     let cycle = friction_loop(&run.trace.time, &velocity, &force, 3, 0.05e-3)?;
     let points = cycle.points.iter().map(|(velocity, force)| (velocity / MM_PER_S, *force)).collect();
     let graph = Graph::new(&figure.heading(), ("v_o", "mm/s"), ("spring force", "N"))
         .line(format!("at {}", told(command, "m/s")), points)
-        .line("steady friction", steady_friction(LIMIT, HIGHEST)?)
+        .line("steady friction", steady_friction(limit, 1.2 * limit)?)
         .note(run.settings());
     Ok((run, cycle, graph.picture()))
 }
@@ -238,13 +247,13 @@ fn loop_told(cycle: &FrictionLoop) -> String {
 }
 
 fn stick_slip_loop(figure: &Figure) -> Result<Drawn, Problem> {
-    let (run, cycle, picture) = dynamic_loop(figure, 1e-3)?;
+    let (run, cycle, picture) = dynamic_loop(figure, STICKING)?;
     let reading = format!("force builds up at rest and is let go in the slip: {}", loop_told(&cycle));
     Drawn::of_runs(&[&run], vec![picture], run.settings(), reading)
 }
 
 fn quasi_harmonic_loop(figure: &Figure) -> Result<Drawn, Problem> {
-    let (run, cycle, picture) = dynamic_loop(figure, 6.8e-3)?;
+    let (run, cycle, picture) = dynamic_loop(figure, (LIMIT, 6.8e-3))?;
     let reading = format!("a small loop about the steady curve: {}", loop_told(&cycle));
     Drawn::of_runs(&[&run], vec![picture], run.settings(), reading)
 }

@@ -9,6 +9,7 @@ mod chapter_8_limits;
 mod chapter_8_recordings;
 mod chapter_9;
 mod graph;
+mod profiles;
 
 use super::claim::Claim;
 use super::recipe::{Problem, Recipe, Replayed};
@@ -66,6 +67,7 @@ pub struct FigureError {
 
 /// The tables of all chapters.
 const TABLES: &[&[Figure]] = &[
+    profiles::FIGURES,
     chapter_8_circuits::FIGURES,
     chapter_8_recordings::FIGURES,
     chapter_8_limits::FIGURES,

@@ -1,0 +1,50 @@
+//! Chapters 2 and 4: velocity profiles, as chapter 4 explains them.
+
+use super::{Drawn, Figure, Recipe, titled};
+use crate::replay::recipe::Problem;
+
+/// The figures, in their order.
+pub(super) const FIGURES: &[Figure] = &[
+    Figure {
+        id: "fig-2-03",
+        place: "2.5",
+        title: "a typical system velocity profile",
+        claims: &[],
+        draw: typical,
+    },
+    Figure {
+        id: "fig-4-07",
+        place: "4.5",
+        title: "velocity profiles of one table on three kinds of friction",
+        claims: &["4-021", "4-022"],
+        draw: three_kinds,
+    },
+];
+
+fn typical(figure: &Figure) -> Result<Drawn, Problem> {
+    let recipe = Recipe::of("fig-8-16").set("VcL", 7.62e-3);
+    let run = figure.run(&recipe.picture(&figure.heading(), "v_i", &["v_o"]), "")?;
+    let rising = run.critical()?.rising_told();
+    Drawn::of_run(&run, format!("the whole history of oscillation in one picture: it ends at {rising}"))
+}
+
+fn three_kinds(figure: &Figure) -> Result<Drawn, Problem> {
+    let run = figure.run(&Recipe::of("fig-4-07"), "")?;
+    let titles = ["steady friction, as Fig 4.6", "(a) linear", "(b) falling", "(c) dropping to a constant"];
+    let pictures =
+        run.pictures()?.into_iter().zip(titles).map(|(picture, title)| titled(picture, title)).collect();
+    let rising = |signal| -> Result<String, Problem> {
+        let read = run.measure(&format!("critical_velocity:v_i,{signal}"))?[0];
+        Ok(read.map_or_else(
+            || "does not oscillate".to_owned(),
+            |v| format!("oscillates up to {:.2} mm/s", v * 1e3),
+        ))
+    };
+    let reading = format!(
+        "on linear friction the table {}, on falling friction it {}, on friction that drops to a constant it {}",
+        rising("linear.v_o")?,
+        rising("stribeck.v_o")?,
+        rising("coulomb.v_o")?
+    );
+    Drawn::of_runs(&[&run], pictures, run.settings(), reading)
+}
