@@ -25,6 +25,7 @@
 #[cfg(test)]
 extern crate self as patchcord;
 
+pub mod chain;
 pub mod circuit;
 pub mod elements;
 mod grid;

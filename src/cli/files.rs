@@ -108,18 +108,26 @@ pub(super) fn check_apart<'a>(
     patch: &'a Path,
     paths: impl Iterator<Item = &'a PathBuf>,
 ) -> Result<(), Failure> {
-    let mut taken = vec![(patch, place(patch)?)];
+    let own = place(patch)?;
+    match places(paths)?.iter().find(|(_, place)| *place == own) {
+        Some((path, _)) => Err(Failure::usage(format!("{} is the patch itself", path.display()))),
+        None => Ok(()),
+    }
+}
+
+/// Where files would be written; refuses those that would be written twice.
+pub(super) fn places<'a>(
+    paths: impl Iterator<Item = &'a PathBuf>,
+) -> Result<Vec<(&'a PathBuf, PathBuf)>, Failure> {
+    let mut taken: Vec<(&PathBuf, PathBuf)> = Vec::new();
     for path in paths.filter(|path| !is_stream(path)) {
         let place = place(path)?;
-        match taken.iter().find(|(_, other)| *other == place) {
-            Some((other, _)) if *other == patch => {
-                return Err(Failure::usage(format!("{} is the patch itself", path.display())));
-            }
-            Some(_) => return Err(Failure::usage(format!("{} would be written twice", path.display()))),
-            None => taken.push((path, place)),
+        if taken.iter().any(|(_, other)| *other == place) {
+            return Err(Failure::usage(format!("{} would be written twice", path.display())));
         }
+        taken.push((path, place));
     }
-    Ok(())
+    Ok(taken)
 }
 
 /// Makes the folder, and tells before the work what cannot be written to.

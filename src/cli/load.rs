@@ -24,7 +24,8 @@ pub(super) struct PatchArguments {
     pub json: bool,
 }
 
-fn setting(text: &str) -> Result<(String, f64), String> {
+/// NAME=VALUE, as `--set` takes it.
+pub(super) fn setting(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, such as VcL=2.54e-3")?;
     let number: f64 = value.trim().parse().map_err(|_| format!("\"{value}\" is not a number"))?;
     if !number.is_finite() {

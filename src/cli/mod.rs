@@ -19,6 +19,8 @@ mod progress;
 mod readings;
 mod replay;
 mod run;
+mod slideway;
+mod slideway_report;
 mod sweep;
 mod table;
 mod times;
@@ -54,6 +56,8 @@ enum Command {
     Sweep(sweep::Arguments),
     /// Draw the figures of the study again, and examine what its text claims
     Replay(replay::Arguments),
+    /// From oil, load, stiffness and surface of a slideway to its critical velocity, and what lowers it
+    Slideway(slideway::Arguments),
     /// Draw the schematic of a patch, or the patch panel with its cords
     Draw(draw::Arguments),
     /// Small motions about a point: roots, frequencies, damping, Bode plot
@@ -93,6 +97,7 @@ fn carry_out(command: &Command) -> Result<(), Failure> {
         Command::Run(arguments) => run::run(arguments),
         Command::Sweep(arguments) => sweep::sweep(arguments),
         Command::Replay(arguments) => replay::replay(arguments),
+        Command::Slideway(arguments) => slideway::slideway(arguments),
         Command::Draw(arguments) => draw::draw(arguments),
         Command::Linearise(arguments) => linearise::linearise(arguments),
         Command::Elements(arguments) => elements::elements(arguments),

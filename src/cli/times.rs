@@ -14,19 +14,25 @@ pub(super) struct TimeArguments {
     /// How long to run, in problem seconds: one initial condition and operate, whatever phases the patch has
     #[arg(long = "for", value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     duration: Option<f64>,
+    #[command(flatten)]
+    fineness: FinenessArguments,
+}
+
+#[derive(Args)]
+pub(super) struct FinenessArguments {
     /// Step of the solver, in problem seconds
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
-    step: Option<f64>,
+    pub step: Option<f64>,
     /// Steps as long as this allows: what the errors of all steps may add up to, as a share of 100 V, say 1e-6
     #[arg(long = "tol", value_name = "SHARE", allow_hyphen_values = true, value_parser = share, conflicts_with = "step")]
-    tolerance: Option<f64>,
+    pub tolerance: Option<f64>,
     /// Time between recorded samples, in problem seconds
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
-    every: Option<f64>,
+    pub every: Option<f64>,
     /// What works the steps out; all but the reference give the same bits. Native code is made of up to about 1100
     /// elements, more are interpreted; with a tolerance the reference takes all steps, whatever is chosen here
     #[arg(long, value_name = "BACKEND", value_parser = backend(), default_value_t)]
-    backend: Backend,
+    pub backend: Backend,
 }
 
 /// The names of backends, which stand in the help and in completions.
@@ -78,14 +84,15 @@ impl TimeArguments {
         if self.duration.is_some() {
             plan.phases.clear();
         }
+        let FinenessArguments { step, tolerance, every, .. } = self.fineness;
         plan.duration = self.duration.map(given).or(plan.duration);
-        plan.step = self.step.map(given).or(plan.step);
+        plan.step = step.map(given).or(plan.step);
         // Who gives a step wants equal ones, who gives a tolerance does not.
-        plan.tolerance = match self.step {
+        plan.tolerance = match step {
             Some(_) => None,
-            None => self.tolerance.map(given).or(plan.tolerance),
+            None => tolerance.map(given).or(plan.tolerance),
         };
-        plan.every = self.every.map(given).or(plan.every);
+        plan.every = every.map(given).or(plan.every);
         plan
     }
 
@@ -94,19 +101,20 @@ impl TimeArguments {
     /// # Errors
     /// Those of [`RunSettings::new`].
     pub fn settings(&self, plan: &RunPlan, circuit: &Circuit) -> Result<RunSettings, RunError> {
-        Ok(RunSettings { backend: self.backend, ..RunSettings::new(plan, circuit)? })
+        Ok(RunSettings { backend: self.fineness.backend, ..RunSettings::new(plan, circuit)? })
     }
 
     /// Whether an error comes from these options rather than from the patch.
     pub fn is_to_blame(&self, error: &RunError) -> bool {
-        let times = [self.duration, self.step, self.every].iter().any(Option::is_some);
+        let FinenessArguments { step, every, .. } = self.fineness;
+        let times = [self.duration, step, every].iter().any(Option::is_some);
         match error {
             RunError::Missing(_) => true,
             RunError::LongerThanRun { .. }
             | RunError::NotATime { .. }
             | RunError::TooManySteps { .. }
             | RunError::TooManyNumbers { .. } => times,
-            RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => self.step.is_some(),
+            RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => step.is_some(),
             _ => false,
         }
     }

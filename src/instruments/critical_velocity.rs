@@ -17,8 +17,10 @@ pub struct Criterion {
     pub window: f64,
 }
 
-/// The threshold in m/s, and the window in s, that `docs/compromise.md` measures with.
-pub(super) const USUAL: Criterion = Criterion { threshold: 0.25e-3, window: 0.04 };
+impl Criterion {
+    /// The threshold in m/s, and the window in s, that `docs/compromise.md` measures with.
+    pub const USUAL: Criterion = Criterion { threshold: 0.25e-3, window: 0.04 };
+}
 
 /// The critical velocities of a profile, in the unit of the command.
 #[derive(Debug, Clone, Copy, PartialEq)]

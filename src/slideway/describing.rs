@@ -222,6 +222,23 @@ pub fn oscillation_at(
     cycle.oscillation(table, friction)
 }
 
+/// The limit cycle whose swing just reaches down to standstill, v = v0: at lower steady velocities it is stick-slip, above them
+/// quasi-harmonic motion up to the critical velocity (9.4 (ii), 2).
+///
+/// # Errors
+/// Where a quantity is out of its range, there is no viscous friction, or friction is nowhere so steep.
+pub fn end_of_sticking(
+    table: &DrivenTable,
+    friction: &FallingFriction,
+) -> Result<Oscillation, SlidewayError> {
+    Range::positive("viscous coefficient f", "N s/m").check(table.damping)?;
+    // v / v0 = (E/a) f w / K grows with E/a: w gets less by a factor of sqrt(2) at most. So it is 1 by twice K / (f wn).
+    let share = |cycle: &LimitCycle| cycle.force_ratio * table.damping * cycle.frequency / table.stiffness;
+    let most = 2.0 * table.stiffness / (table.damping * table.boundary_frequency()?);
+    let is_short = |force: f64| table.limit_cycle(force).is_ok_and(|cycle| share(&cycle) < 1.0);
+    table.limit_cycle(halved(0.0, most, is_short))?.oscillation(table, friction)
+}
+
 /// The size of the sine of which a cut-off leaves this share, above 1/2: the inverse of [`cut_off_gain`].
 fn size_with_gain(gain: f64) -> f64 {
     1.0 / halved(0.0, 1.0, |share| cut_off_gain(1.0 / share) < gain)
@@ -332,6 +349,17 @@ mod tests {
         assert_eq!(cycle.gain, 1.0);
         near(cycle.slope / table.critical_slope().unwrap(), 1.0, 1e-12);
         near(cycle.frequency / table.boundary_frequency().unwrap(), 1.0, 1e-12);
+    }
+
+    #[test]
+    fn sticking_ends_where_the_swing_reaches_standstill() {
+        let (table, friction) = (DrivenTable::simulated(0.0065), FallingFriction::simulated(0.010_16));
+        let end = end_of_sticking(&table, &friction).unwrap();
+        near(end.swing / end.velocity, 1.0, 1e-9);
+        near(oscillation_at(&table, &friction, end.velocity).unwrap().swing / end.swing, 1.0, 1e-6);
+        assert!(end.velocity < table.critical_velocity(&friction).unwrap());
+        assert!(end_of_sticking(&DrivenTable { memory: 0.02, ..table }, &friction).is_err());
+        assert!(end_of_sticking(&DrivenTable { damping: 0.0, ..table }, &friction).is_err());
     }
 
     #[test]

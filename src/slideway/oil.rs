@@ -34,6 +34,21 @@ impl Oil {
     /// Oil 2: V / Cv = 0.145 V^0.7, with a factor that makes eq 154-7 4.38. The scan lost its viscosity; 5.88 P follows from eq 10-9.
     pub const TWO: Oil = Oil { viscosity: 5.88 * POISE, wedge_speed: PowerLaw::new(4.38 / FILM_FACTOR, 0.7) };
 
+    /// An oil of some viscosity in Pa s whose law of V / Cv lies between those of oil 1 and oil 2, on logarithmic paper: the exponent
+    /// goes with the logarithm of viscosity, that of the factor too. (Ours; eq 10-9 is the study's way between them, by one exponent.)
+    ///
+    /// # Errors
+    /// Where the viscosity is outside of 1e-6 ... 1e3 Pa s.
+    pub fn of_viscosity(viscosity: f64) -> Result<Self, SlidewayError> {
+        let [one, two] = [Self::ONE, Self::TWO];
+        let share = (VISCOSITY.check(viscosity)? / one.viscosity).ln() / (two.viscosity / one.viscosity).ln();
+        let between = |first: f64, last: f64| first + share * (last - first);
+        let [first, last] = [one.wedge_speed, two.wedge_speed];
+        let factor = between(first.factor.ln(), last.factor.ln()).exp();
+        let wedge_speed = PowerLaw::new(factor, between(first.exponent, last.exponent));
+        Ok(Oil { viscosity, wedge_speed })
+    }
+
     /// Pressure PL in Pa that the film builds up at a velocity in m/s and a gap H in m: 30 eta (V / Cv) / H^2.478 (eq 153-7 ... 155-7).
     /// Velocities up to 10 cm/s, gaps of 4.64 ... 9.2 um; eq 149-7 and 150-7 were fitted above VcL, and are used from rest on.
     ///
@@ -127,6 +142,19 @@ mod tests {
         let at = |oil: Oil| oil.velocity(5.48 * UM, 0.65 * KGF_PER_CM2).unwrap() / CM_PER_S;
         assert!((at(Oil::ONE) - 4.314).abs() < 0.03, "{}", at(Oil::ONE));
         assert!((at(Oil::TWO) - 2.1483).abs() < 0.01, "{}", at(Oil::TWO));
+    }
+
+    #[test]
+    fn oils_between_both_are_between_both() {
+        for oil in [Oil::ONE, Oil::TWO] {
+            let again = Oil::of_viscosity(oil.viscosity).unwrap().wedge_speed;
+            assert!((again.factor / oil.wedge_speed.factor - 1.0).abs() < 1e-12);
+            assert!((again.exponent / oil.wedge_speed.exponent - 1.0).abs() < 1e-12);
+        }
+        let at =
+            |poise: f64| Oil::of_viscosity(poise * POISE).unwrap().velocity(5.48 * UM, 0.65 * KGF_PER_CM2);
+        assert!((at(2.0).unwrap() / CM_PER_S - 3.028).abs() < 1e-3, "{:?}", at(2.0));
+        assert!(Oil::of_viscosity(0.0).is_err());
     }
 
     #[test]

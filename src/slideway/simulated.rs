@@ -3,12 +3,13 @@
 
 use super::falling::FallingFriction;
 use super::power_law::PowerLaw;
-use super::units::{MS, N_PER_MM, N_S_PER_MM, POISE};
+use super::units::{KGF, MS, N_PER_MM, N_S_PER_MM, POISE};
 use super::{Range, SlidewayError};
 
 const MEMORY: Range = Range::positive("time constant Tc", "s");
 const STIFFNESS: Range = Range::positive("stiffness K", "N/m");
 const VISCOSITY: Range = Range::positive("viscosity", "Pa s");
+const WEIGHT: Range = Range::positive("weight W", "N");
 
 /// Slope at which oscillation ceased in the simulation by the time constant, N s/mm by s, at 45 kN/mm, 433 kg and 6 ... 25 ms
 /// (eq 1-9, Fig 9.1).
@@ -109,6 +110,21 @@ impl OilLaw {
     }
 }
 
+/// Weights for which the study fitted a time constant, in kgf.
+const LIGHT: f64 = 450.0;
+const HEAVY: f64 = 850.0;
+
+/// Time constant in s for a table weight in N and a viscosity in Pa s: that of eq 17-9 at 450 kgf and of eq 20-9 at 850 kgf, and for
+/// other weights the power law of weight through both. (Ours: the study says only that the constants of eq 25-9 get less with weight.)
+///
+/// # Errors
+/// Where the weight or the viscosity is not above 0.
+pub fn memory_at_weight(weight: f64, viscosity: f64) -> Result<f64, SlidewayError> {
+    let light = OilLaw::AT_450_KGF.memory(viscosity)?;
+    let exponent = (OilLaw::AT_850_KGF.memory(viscosity)? / light).ln() / (HEAVY / LIGHT).ln();
+    Ok(light * (WEIGHT.check(weight)? / KGF / LIGHT).powf(exponent))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,5 +148,14 @@ mod tests {
         near(velocity / MM_PER_S, 4.51, 2e-3);
         near(memory_from_critical_velocity(&friction, velocity, 45e6).unwrap(), 0.0086, 1e-9);
         assert!(memory_from_critical_velocity(&friction, 0.05, 45e6).is_err());
+    }
+
+    #[test]
+    fn time_constants_of_both_weights_are_those_of_their_laws() {
+        for (weight, law) in [(450.0, OilLaw::AT_450_KGF), (850.0, OilLaw::AT_850_KGF)] {
+            near(memory_at_weight(weight * KGF, 0.034).unwrap(), law.memory(0.034).unwrap(), 1e-12);
+        }
+        near(memory_at_weight(620.0 * KGF, 0.034).unwrap(), 7.667e-3, 1e-3);
+        assert!(memory_at_weight(0.0, 0.034).is_err() && memory_at_weight(4e3, -1.0).is_err());
     }
 }

@@ -15,6 +15,7 @@ mod table;
 pub use bench::Bench;
 pub use error::{JournalError, PlanError};
 pub use plan::{Axis, Plan};
+pub(crate) use pool::in_order;
 pub use row::Row;
 
 use std::fmt::{self, Write as _};
@@ -282,7 +283,7 @@ impl Sweep {
         let benches = (0..threads).map(|_| (self.bench(), Pace::new(abreast))).collect();
         let mut tally = there;
         progress(first);
-        pool::in_order(
+        in_order(
             0..left,
             AHEAD,
             benches,

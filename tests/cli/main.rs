@@ -18,6 +18,7 @@ mod refused;
 mod replay;
 mod run;
 mod sensitivity;
+mod slideway;
 mod sweep;
 
 use std::fs;

@@ -4,6 +4,7 @@ use std::fs;
 
 use super::linearise::FIG_8_04;
 use super::sensitivity::BALL;
+use super::slideway::SLIDEWAY;
 use super::{FIG_8_16, code, patchcord, path};
 
 const COULOMB: &str = "patches/thesis/fig-8-16-coulomb.json";
@@ -13,7 +14,7 @@ const NAKASHIMA: &str = "patches/others/nakashima.json";
 const BOTH: &str = "patches/thesis/fig-8-16-both.json";
 
 /// Commands and the pictures that they draw; those of lessons are held fresh by `tests/lessons`.
-const PICTURES: [(&[&str], &str); 12] = [
+const PICTURES: [(&[&str], &str); 13] = [
     (&["run", FIG_8_16], "fig-8-16.svg"),
     (&["run", COULOMB], "fig-8-16-coulomb.svg"),
     (&["run", BOTH], "fig-8-16-both.svg"),
@@ -26,6 +27,7 @@ const PICTURES: [(&[&str], &str); 12] = [
     (&["run", NAKASHIMA], "nakashima.svg"),
     (&["run", NAKASHIMA, "--set", "v_set=9e-3"], "nakashima.steady.svg"),
     (&["draw", NAKASHIMA], "nakashima.schematic.svg"),
+    (&SLIDEWAY, "slideway.svg"),
 ];
 
 #[test]

@@ -3,7 +3,7 @@
 mod read;
 mod table;
 
-use super::critical_velocity;
+use super::Criterion;
 use crate::patch::{Dimension, Unit, suggestion};
 use crate::program::Probe;
 use crate::trace::Trace;
@@ -158,7 +158,7 @@ impl Measure {
         if self.options[0].is_none() {
             let velocity = Dimension::LENGTH.over(Dimension::TIME);
             let unit = Unit::parse(unit).ok().filter(|unit| unit.dimension() == velocity);
-            let usual = unit.map(|unit| unit.out_of_si(critical_velocity::USUAL.threshold));
+            let usual = unit.map(|unit| unit.out_of_si(Criterion::USUAL.threshold));
             let unit = self.signals[0].1.clone();
             self.options[0] = Some(usual.ok_or(MeasureError::NoThreshold { measure, unit })?);
         }

@@ -110,8 +110,8 @@ pub(super) fn frequency(run: &Run<'_>) -> Cells {
 
 pub(super) fn critical_velocity(run: &Run<'_>) -> Cells {
     let criterion = Criterion {
-        threshold: run.measure.option(0).unwrap_or(profile::USUAL.threshold),
-        window: run.measure.option(1).unwrap_or(profile::USUAL.window),
+        threshold: run.measure.option(0).unwrap_or(Criterion::USUAL.threshold),
+        window: run.measure.option(1).unwrap_or(Criterion::USUAL.window),
     };
     let found = profile::critical_velocity(run.time(), &run.values(0), &run.values(1), criterion);
     vec![number(found.rising), number(found.falling)]

@@ -1,0 +1,247 @@
+//! What lowers the critical velocity: the list of 9.5, each tried by a run.
+
+use std::convert::Infallible;
+
+use super::error::ChainError;
+use super::parameters::Parameters;
+use super::predictions::{Prediction, stability};
+use super::settings::Settings;
+use super::simulation::Simulation;
+use crate::instruments::{CriticalVelocity, NoCriticalVelocity};
+use crate::slideway::design::{Design, DesignEquation};
+use crate::sweep::in_order;
+
+/// An advice of 9.5, and what came of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Advice {
+    /// Its letter in 9.5.
+    pub letter: char,
+    /// What to do.
+    pub text: &'static str,
+    /// The quantity that is changed.
+    pub quantity: &'static str,
+    /// What it is multiplied by.
+    pub factor: f64,
+    /// What it comes to.
+    pub outcome: Result<Outcome, String>,
+    /// Whether the run confirms it.
+    pub verdict: Verdict,
+}
+
+/// What the chain gives once a quantity is changed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// The parameters of the circuit then.
+    pub parameters: Parameters,
+    /// The critical velocity read off the run, in m/s.
+    pub critical: CriticalVelocity,
+    /// The same with half of the threshold, and with twice as much.
+    pub nearby: [CriticalVelocity; 2],
+    /// By eq 93-9 as printed.
+    pub printed: Prediction,
+    /// By Routh-Hurwitz.
+    pub stability: Prediction,
+}
+
+/// Whether runs confirm that the critical velocity gets lower. The command rises; it has to be so with the threshold, with half of it and
+/// with twice as much, wherever it oscillates without the advice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is lower by more than it can be read to, or there is none any more.
+    Confirmed,
+    /// It is not lower, or not with every threshold.
+    NotConfirmed,
+    /// It changes by less than it can be read to.
+    TooClose,
+    /// There is no oscillation without the advice.
+    NothingToLower,
+    /// What the advice would change is set by hand, and stays.
+    NothingChanged,
+    /// The critical velocity of one of the runs cannot be read.
+    NotRead,
+    /// The run could not be made.
+    NotRun,
+}
+
+impl Verdict {
+    /// In words.
+    pub fn told(self) -> &'static str {
+        match self {
+            Verdict::Confirmed => "confirmed",
+            Verdict::NotConfirmed => "not confirmed by the run",
+            Verdict::TooClose => "not confirmed by the run: too close",
+            Verdict::NothingToLower => "nothing to lower",
+            Verdict::NothingChanged => "nothing changes: it is set",
+            Verdict::NotRead => "cannot be read",
+            Verdict::NotRun => "could not be run",
+        }
+    }
+}
+
+/// A row of the list.
+struct Row {
+    letter: char,
+    text: &'static str,
+    quantity: &'static str,
+    /// Whether the quantity is to rise.
+    rises: bool,
+    change: fn(&mut Design, f64),
+}
+
+/// The list of 9.5.
+const LIST: [Row; 7] = [
+    Row {
+        letter: 'a',
+        text: "more viscous oil",
+        quantity: "viscosity",
+        rises: true,
+        change: |design, factor| design.viscosity *= factor,
+    },
+    Row {
+        letter: 'b',
+        text: "less weight",
+        quantity: "weight",
+        rises: false,
+        change: |design, factor| design.weight *= factor,
+    },
+    Row {
+        letter: 'c',
+        text: "stiffer drive",
+        quantity: "stiffness",
+        rises: true,
+        change: |design, factor| design.stiffness *= factor,
+    },
+    Row {
+        letter: 'd',
+        text: "less KLP: polar additive",
+        quantity: "KLP",
+        rises: false,
+        change: |design, factor| design.interface.polar *= factor,
+    },
+    Row {
+        letter: 'e',
+        text: "more lift: scraped, wavier surfaces",
+        quantity: "Ho + hd",
+        rises: true,
+        change: |design, factor| design.lift *= factor,
+    },
+    Row {
+        letter: 'f',
+        text: "flatter ridges: smoother surfaces",
+        quantity: "tan",
+        rises: false,
+        change: |design, factor| design.interface.flank *= factor,
+    },
+    Row {
+        letter: 'g',
+        text: "less area: slots in the surface",
+        quantity: "area",
+        rises: false,
+        change: |design, factor| design.interface.area *= factor,
+    },
+];
+
+/// Every advice, tried by runs side by side. `before` is the run without any.
+pub(super) fn all(design: &Design, before: &Simulation, settings: &Settings) -> Vec<Advice> {
+    let mut all = Vec::new();
+    let rows =
+        |range: std::ops::Range<u64>| range.map(|row| LIST[row as usize].tried(design, before, settings));
+    let Ok(()) = in_order(
+        0..LIST.len() as u64,
+        LIST.len() as u64,
+        vec![(); settings.threads.max(1)],
+        |()| 1,
+        |(), range| rows(range).collect(),
+        |advice| {
+            all.extend(advice);
+            Ok::<(), Infallible>(())
+        },
+    );
+    all
+}
+
+impl Row {
+    fn tried(&self, design: &Design, before: &Simulation, settings: &Settings) -> Advice {
+        let factor = if self.rises { 1.0 + settings.share } else { 1.0 - settings.share };
+        let mut changed = *design;
+        (self.change)(&mut changed, factor);
+        let outcome = outcome(&changed, settings);
+        let verdict = verdict(before, outcome.as_ref().ok());
+        let Row { letter, text, quantity, .. } = *self;
+        Advice {
+            letter,
+            text,
+            quantity,
+            factor,
+            outcome: outcome.map_err(|error| error.to_string()),
+            verdict,
+        }
+    }
+}
+
+fn outcome(design: &Design, settings: &Settings) -> Result<Outcome, ChainError> {
+    let parameters = settings.parameters(design)?;
+    let Simulation { critical, nearby, .. } = Simulation::new("", &parameters, settings)?;
+    let printed = DesignEquation::PRINTED.critical_velocity(design);
+    Ok(Outcome { parameters, critical, nearby, printed, stability: stability(&parameters) })
+}
+
+fn verdict(before: &Simulation, after: Option<&Outcome>) -> Verdict {
+    let Some(after) = after else { return Verdict::NotRun };
+    if before.critical.rising == Err(NoCriticalVelocity::Quiet) {
+        return Verdict::NothingToLower;
+    }
+    if after.parameters == before.parameters {
+        return Verdict::NothingChanged;
+    }
+    let rising = |critical: &CriticalVelocity| critical.rising;
+    let befores = [before.critical].into_iter().chain(before.nearby).map(|critical| rising(&critical));
+    let afters = [after.critical].into_iter().chain(after.nearby).map(|critical| rising(&critical));
+    let oscillating = befores.zip(afters).filter(|(before, _)| *before != Err(NoCriticalVelocity::Quiet));
+    together(oscillating.map(|(one, other)| compared(one, other, before.resolution())))
+}
+
+/// A critical velocity without an advice, and with it.
+fn compared(
+    before: Result<f64, NoCriticalVelocity>,
+    after: Result<f64, NoCriticalVelocity>,
+    resolution: f64,
+) -> Verdict {
+    match (before, after) {
+        (Ok(_), Err(NoCriticalVelocity::Quiet)) => Verdict::Confirmed,
+        (Ok(_), Err(NoCriticalVelocity::NotEnded(_))) => Verdict::NotConfirmed,
+        (Ok(before), Ok(after)) if (before - after).abs() <= resolution => Verdict::TooClose,
+        (Ok(before), Ok(after)) if after < before => Verdict::Confirmed,
+        (Ok(_), Ok(_)) => Verdict::NotConfirmed,
+        _ => Verdict::NotRead,
+    }
+}
+
+/// What comparisons with several thresholds come to.
+fn together(verdicts: impl Iterator<Item = Verdict>) -> Verdict {
+    let all: Vec<_> = verdicts.collect();
+    let least = [Verdict::NotRead, Verdict::NotConfirmed, Verdict::TooClose];
+    least.into_iter().find(|verdict| all.contains(verdict)).unwrap_or(Verdict::Confirmed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_verdict_holds_with_every_threshold() {
+        use Verdict::*;
+        let quiet = Err(NoCriticalVelocity::Quiet);
+        let near = |before, after| compared(before, after, 0.1);
+        assert_eq!(near(Ok(5.0), Ok(4.8)), Confirmed);
+        assert_eq!(near(Ok(5.0), quiet), Confirmed);
+        assert_eq!(near(Ok(5.0), Ok(5.05)), TooClose);
+        assert_eq!(near(Ok(5.0), Ok(5.2)), NotConfirmed);
+        assert_eq!(near(Ok(5.0), Err(NoCriticalVelocity::NotEnded(9.0))), NotConfirmed);
+        assert_eq!(near(Ok(5.0), Err(NoCriticalVelocity::NoRise)), NotRead);
+        assert_eq!(near(Err(NoCriticalVelocity::NotEnded(9.0)), Ok(5.0)), NotRead);
+        assert_eq!(together([Confirmed, TooClose, Confirmed].into_iter()), TooClose);
+        assert_eq!(together([Confirmed, TooClose, NotConfirmed].into_iter()), NotConfirmed);
+        assert_eq!(together([Confirmed; 3].into_iter()), Confirmed);
+    }
+}

@@ -1,0 +1,109 @@
+//! The numbers that the circuit of Fig 8.16 is set by.
+
+use super::document::rounded;
+use crate::slideway::SlidewayError;
+use crate::slideway::design::{Design, limit_velocity};
+use crate::slideway::falling::FallingFriction;
+use crate::slideway::simulated::memory_at_weight;
+use crate::slideway::stability::DrivenTable;
+use crate::slideway::units::GRAVITY;
+
+/// A table, its drive and its friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    /// Mass M of the table, in kg.
+    pub mass: f64,
+    /// Stiffness K of the drive, in N/m.
+    pub stiffness: f64,
+    /// Viscous coefficient f, in N s/m.
+    pub damping: f64,
+    /// Static friction Fs, in N.
+    pub static_friction: f64,
+    /// Velocity VcL at which solid friction is gone, in m/s.
+    pub limit: f64,
+    /// Time constant Tc with which solid friction follows velocity, in s.
+    pub memory: f64,
+}
+
+/// Viscous coefficient of the study's simulation in N s/m: the one that the time constants were found with (8.4, 9.2).
+pub const SIMULATED_DAMPING: f64 = DrivenTable::simulated(0.0).damping;
+
+impl Parameters {
+    /// By chapter 9: Fs by eq 12-9, VcL by eq 11-9, Tc by eq 17-9 and 20-9. They belong together: the study found Tc from measured
+    /// critical velocities with this Fs and this VcL. The viscous coefficient is that of its simulation, with which the slope at which
+    /// oscillation ceases was found.
+    ///
+    /// # Errors
+    /// Where one of the laws does not hold.
+    pub fn of_design(design: &Design) -> Result<Self, SlidewayError> {
+        let pressure = design.weight / design.interface.area;
+        Ok(Parameters {
+            mass: design.weight / GRAVITY,
+            stiffness: design.stiffness,
+            damping: SIMULATED_DAMPING,
+            static_friction: design.interface.static_friction(pressure)?,
+            limit: limit_velocity(pressure, design.lift, design.viscosity)?,
+            memory: memory_at_weight(design.weight, design.viscosity)?,
+        })
+    }
+
+    /// The same with six digits, which are more than a potentiometer can be set to.
+    pub(super) fn rounded(mut self) -> Self {
+        for (name, value) in self.named() {
+            self.set(name, rounded(value));
+        }
+        self
+    }
+
+    /// Their names in the patch, in the order of the fields.
+    pub const NAMES: [&'static str; 6] = ["M", "K", "f", "Fs", "VcL", "Tc"];
+
+    /// Names and values.
+    pub fn named(&self) -> [(&'static str, f64); 6] {
+        let Parameters { mass, stiffness, damping, static_friction, limit, memory } = *self;
+        let values = [mass, stiffness, damping, static_friction, limit, memory];
+        std::array::from_fn(|index| (Self::NAMES[index], values[index]))
+    }
+
+    /// Sets the one with this name in the patch; tells whether there is one.
+    pub(super) fn set(&mut self, name: &str, value: f64) -> bool {
+        let place = match name {
+            "M" => &mut self.mass,
+            "K" => &mut self.stiffness,
+            "f" => &mut self.damping,
+            "Fs" => &mut self.static_friction,
+            "VcL" => &mut self.limit,
+            "Tc" => &mut self.memory,
+            _ => return false,
+        };
+        *place = value;
+        true
+    }
+
+    /// The table on its drive.
+    pub fn table(&self) -> DrivenTable {
+        let Parameters { mass, stiffness, damping, memory, .. } = *self;
+        DrivenTable { mass, stiffness, damping, memory }
+    }
+
+    /// Its solid friction.
+    pub fn friction(&self) -> FallingFriction {
+        FallingFriction { static_friction: self.static_friction, limit: self.limit }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_sets_its_own_value() {
+        for (index, name) in Parameters::NAMES.into_iter().enumerate() {
+            let mut parameters = Parameters::of_design(&Design::model(0.034, 45e6)).unwrap();
+            assert!(parameters.set(name, 7.0));
+            assert_eq!(parameters.named()[index], (name, 7.0));
+            assert_eq!(parameters.named().iter().filter(|(_, value)| *value == 7.0).count(), 1);
+            assert!(!parameters.set("v_rate", 7.0));
+        }
+    }
+}

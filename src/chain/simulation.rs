@@ -1,0 +1,161 @@
+//! From parameters to a patch, a run, and the critical velocity.
+
+use super::document::{Asked, MULTIPLES, template};
+use super::error::ChainError;
+use super::parameters::Parameters;
+use super::ramp::Ramp;
+use super::settings::Settings;
+use crate::circuit::{Circuit, Element};
+use crate::instruments::{Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity};
+use crate::patch::{Amount, Patch};
+use crate::program::Program;
+use crate::solve::{self, RunSettings};
+use crate::trace::Trace;
+
+/// A slideway on the machine: its circuit, the run under a velocity command that rises and falls, and what was read.
+#[derive(Debug)]
+pub struct Simulation {
+    /// What the circuit was set by.
+    pub parameters: Parameters,
+    /// How many times scale set B its scales are: as little as leaves every amplifier below 100 V.
+    pub multiple: f64,
+    /// The circuit; its patch is a patch like any other, and a run of it is this run.
+    pub circuit: Circuit,
+    /// The command.
+    pub ramp: Ramp,
+    /// What was recorded.
+    pub trace: Trace,
+    /// When it counted as oscillating.
+    pub criterion: Criterion,
+    /// At which command oscillation ends while it rises, and begins while it falls, in m/s.
+    pub critical: CriticalVelocity,
+    /// The same with half of the threshold, and with twice as much: how much hangs on it.
+    pub nearby: [CriticalVelocity; 2],
+}
+
+/// A potentiometer with its setting.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pot {
+    /// Its address.
+    pub name: String,
+    /// Its setting, 0 ... 1.
+    pub setting: f64,
+    /// The formula that it follows from.
+    pub formula: String,
+}
+
+/// So often the command is made to rise longer: what has not ended by then, an undamped table's motion, has no end.
+const MOST_LONGER: usize = 3;
+
+/// What the critical velocity is read from.
+pub(super) const COMMAND: &str = "v_i";
+pub(super) const VELOCITY: &str = "v_o";
+
+impl Simulation {
+    /// Runs the circuit of Fig 8.16 with these parameters. The command rises until oscillation has ended, unless `v_turn` is set or there
+    /// is no end of it; the scales are such that no amplifier is overloaded. Of what is set only the command counts, not what would
+    /// set these parameters.
+    ///
+    /// # Errors
+    /// Where no scales take the parameters, or the run cannot be made.
+    pub fn new(title: &str, parameters: &Parameters, settings: &Settings) -> Result<Self, ChainError> {
+        let template = &template()?;
+        let mut ramp = Ramp::first(template, parameters, settings)?;
+        let mut scale = Asked { template, title, parameters, ramp: &ramp, settings }.first_scale();
+        let mut left = MOST_LONGER;
+        loop {
+            let asked = Asked { template, title, parameters, ramp: &ramp, settings };
+            let made = Simulation::at(&asked, MULTIPLES[scale])?;
+            match made.critical.rising {
+                _ if made.is_overloaded() => scale = made.larger_scale(&asked, scale)?,
+                Err(NoCriticalVelocity::NotEnded(_)) if left > 0 && settings.value("v_turn").is_none() => {
+                    (ramp, left) = (ramp.longer(), left - 1);
+                }
+                _ => return made.if_read(),
+            }
+        }
+    }
+
+    fn at(asked: &Asked<'_>, multiple: f64) -> Result<Self, ChainError> {
+        let Asked { parameters, ramp, settings, .. } = *asked;
+        let circuit = Circuit::new(&asked.patch(multiple)?, &[])?;
+        // After an overload nothing counts, and its limits are slow to follow.
+        let run =
+            RunSettings { backend: settings.backend, hold_on_overload: true, ..RunSettings::of(&circuit)? };
+        let trace = solve::run(&Program::new(&circuit)?, &run).map_err(|stopped| stopped.error)?;
+        let criterion = settings.criterion(parameters)?;
+        let read =
+            |factor: f64| read(&trace, Criterion { threshold: factor * criterion.threshold, ..criterion });
+        let (critical, nearby) = (read(1.0), [read(0.5), read(2.0)]);
+        Ok(Simulation {
+            parameters: *parameters,
+            multiple,
+            circuit,
+            ramp: *ramp,
+            trace,
+            criterion,
+            critical,
+            nearby,
+        })
+    }
+
+    /// A run with an overload is no result.
+    fn is_overloaded(&self) -> bool {
+        self.trace.overloads().next().is_some()
+    }
+
+    /// The next larger scales that take the parameters.
+    fn larger_scale(&self, asked: &Asked<'_>, scale: usize) -> Result<usize, ChainError> {
+        let larger = scale + 1;
+        if MULTIPLES.get(larger).is_some_and(|multiple| asked.patch(*multiple).is_ok()) {
+            return Ok(larger);
+        }
+        let element = self.trace.overloads().next().map_or_else(String::new, |lit| lit.element.clone());
+        Err(ChainError::Overload { element, velocity_per_volt: self.velocity_per_volt() })
+    }
+
+    /// The run, if its critical velocity can be read: there is one, or none, or it lies beyond the turn.
+    fn if_read(self) -> Result<Self, ChainError> {
+        match self.critical.rising {
+            Ok(_) | Err(NoCriticalVelocity::Quiet | NoCriticalVelocity::NotEnded(_)) => Ok(self),
+            Err(error) => Err(ChainError::Unread(error)),
+        }
+    }
+
+    /// What a volt of velocity stands for, in m/s.
+    pub fn velocity_per_volt(&self) -> f64 {
+        self.trace.track(COMMAND).map_or(f64::NAN, |track| track.per_volt)
+    }
+
+    /// By how much the command changes within a window, in m/s: what a critical velocity is known to at best.
+    pub fn resolution(&self) -> f64 {
+        self.ramp.rate * self.criterion.window
+    }
+
+    /// Its patch.
+    pub fn patch(&self) -> &Patch {
+        self.circuit.patch()
+    }
+
+    /// The potentiometers and how they are set.
+    pub fn pots(&self) -> Vec<Pot> {
+        let elements = self.circuit.elements();
+        elements.into_iter().filter_map(|element| self.pot(element)).collect()
+    }
+
+    fn pot(&self, element: &Element) -> Option<Pot> {
+        let rows = element.kind.settings.iter().zip(&element.settings);
+        let (_, given) = rows.into_iter().find(|(row, _)| row.name == "setting")?;
+        let Amount::Formula(formula) = &given.as_ref()?.value else { return None };
+        let setting = formula.evaluate(self.circuit.quantities()).ok()?;
+        let part = element.kind.parts.first().map(|takes| self.circuit.part_names(&element.name, takes.part));
+        let parts = part.filter(|names| !names.is_empty()).map(|names| names.join(", "));
+        let name = parts.unwrap_or_else(|| element.name.clone());
+        Some(Pot { name, setting, formula: formula.text().to_owned() })
+    }
+}
+
+fn read(trace: &Trace, criterion: Criterion) -> CriticalVelocity {
+    let values = |name| trace.values(name).unwrap_or_default();
+    critical_velocity(&trace.time, &values(COMMAND), &values(VELOCITY), criterion)
+}

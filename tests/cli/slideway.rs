@@ -1,0 +1,117 @@
+//! `patchcord slideway`, and docs/slideway.md, which shows what it prints.
+
+use std::fs;
+
+use super::{code, errors, json, out, patchcord, path};
+use crate::common::pages::check_part;
+
+pub const SLIDEWAY: [&str; 7] = ["slideway", "--oil", "0.34", "--weight", "450", "--stiffness", "20"];
+
+fn slideway(more: &[&str]) -> std::process::Output {
+    patchcord(&[&SLIDEWAY[..], more].concat())
+}
+
+#[test]
+fn the_page_shows_what_is_printed() {
+    let shown = slideway(&[]);
+    assert_eq!((code(&shown), errors(&shown).as_str()), (0, ""));
+    let indented = out(&shown)
+        .lines()
+        .map(|line| format!("    {line}").trim_end().to_owned() + "\n")
+        .collect::<String>();
+    check_part("docs/slideway.md", "command", &indented, "cli");
+    let page = fs::read_to_string("docs/slideway.md").unwrap();
+    assert!(page.contains(&format!(
+        "\n    patchcord {} --plot slideway.svg --out slideway.json\n",
+        SLIDEWAY.join(" ")
+    )));
+}
+
+#[test]
+fn json_is_one_document_in_si_units() {
+    let document = json(&slideway(&["--json", "--threshold", "0.5"]));
+    assert_eq!(document["ok"], true);
+    assert_eq!(document["inputs"]["viscosity"], 0.034);
+    assert_eq!(document["criterion"]["threshold"], 5e-4);
+    let rising = document["critical_velocity"]["rising"]["value"].as_f64().unwrap();
+    assert!((0.012..0.02).contains(&rising), "{rising}");
+    let half = document["with_half_the_threshold"]["rising"]["value"].as_f64().unwrap();
+    assert!(half > rising);
+    let fs = &document["parameters"][3];
+    assert_eq!((&fs["name"], &fs["unit"], &fs["from"]), (&"Fs".into(), &"N".into(), &"eq 12-9".into()));
+    assert!(fs["other"]["value"].as_f64().unwrap() < fs["value"].as_f64().unwrap());
+    let advice = document["advice"].as_array().unwrap();
+    assert_eq!(advice.len(), 7);
+    assert!(advice.iter().all(|advice| advice["verdict"] == "confirmed"), "{advice:?}");
+    assert_eq!(advice[4]["eq_93_9_printed"]["value"], serde_json::Value::Null);
+    assert!(advice[4]["eq_93_9_printed"]["because"].as_str().unwrap().contains("it never oscillates"));
+    assert!(document["predictions"]["routh_hurwitz"]["value"].as_f64().unwrap() < rising);
+    assert_eq!(document["files"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn the_patch_that_it_writes_runs_like_any_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let [patch, plot] = ["slideway.json", "slideway.png"].map(|name| path(&folder, name));
+    let told = json(&slideway(&["--out", &patch, "--plot", &plot, "--tol", "1e-7", "--json"]));
+    assert_eq!(told["files"], serde_json::json!([patch, plot]));
+    assert!(fs::read(&plot).unwrap().starts_with(b"\x89PNG"));
+    assert!(out(&patchcord(&["check", &patch])).contains("nothing wrong\n"));
+    let run = json(&patchcord(&["run", &patch, "--json"]));
+    let times = ["for", "step", "tolerance", "every"];
+    assert!(times.iter().all(|time| run["run"][time] == told["run"][time]), "{}", told["run"]);
+    assert_eq!(run["run"]["tolerance"], 1e-7);
+    let measured = out(&patchcord(&["sweep", &patch, "--vary", "K=20e6", "--measure", "critical_velocity"]));
+    let cells: Vec<_> = measured.lines().last().unwrap().split(',').collect();
+    for (cell, way) in cells[1..3].iter().zip(["rising", "falling"]) {
+        assert_eq!(cell.parse::<f64>().unwrap(), told["critical_velocity"][way]["value"].as_f64().unwrap());
+    }
+}
+
+#[test]
+fn wrong_inputs_are_told_with_the_option_that_helps() {
+    let cases: [(&[&str], &str); 12] = [
+        (&["--set", "q=1"], "the circuit of Fig 8.16 has no parameter q; known here: M, K, f, Fs, VcL, Tc"),
+        (&["--set", "v_turn=-1"], "the velocity command has to rise"),
+        (&["--set", "v_rate=0.1"], "give a higher --threshold, or a lower v_rate with --set"),
+        (&["--window", "100"], "is longer than the run of 32 s: give a shorter --window"),
+        (&["--every", "0.02"], "give a shorter --every or a longer --window"),
+        (&["--area", "1"], "weight / area is 450 kgf/cm2, and must be 0.0001 ... 8: --weight and --area"),
+        (&["--by", "100"], "less than 100 % is wanted"),
+        (&["--area", "700cm2"], "\"700cm2\" is not a number: leave out its unit"),
+        (&["--ridge-height", "-1"], "a number above 0 is wanted"),
+        (&["--step", "1e-9"], "at most 1e10 are allowed: give a longer --step\n"),
+        (&["--step", "1e-5", "--tol", "1e-6"], "cannot be used with"),
+        (&["--plot", "a.gif"], "names no known picture format"),
+    ];
+    for (more, wanted) in cases {
+        let refused = slideway(more);
+        assert_eq!((code(&refused), out(&refused).as_str()), (2, ""), "{more:?}");
+        assert!(errors(&refused).contains(wanted), "{more:?}: {}", errors(&refused));
+        let told = json(&slideway(&[more, &["--json"]].concat()));
+        assert_eq!(told["ok"], false, "{more:?}");
+    }
+    let of = |oil: &str, weight: &str, stiffness: &str| {
+        errors(&patchcord(&["slideway", "--oil", oil, "--weight", weight, "--stiffness", stiffness]))
+    };
+    assert!(of("1e-5", "450", "20").contains("viscosity is 0.00001 P, and must be 0.001 ... 1000: --oil"));
+    assert!(
+        of("0.3", "20", "20").contains("M = 20 kg is beyond") && of("0.3", "20", "20").contains("--weight")
+    );
+    assert!(of("0.3", "450", "200").contains("5 ... 178 MN/m: it is that of --stiffness"));
+    assert!(errors(&patchcord(&["slideway", "--oil", "0.3"])).contains("--weight <KGF>"));
+}
+
+#[test]
+fn a_run_that_ends_in_overload_is_no_result() {
+    let folder = tempfile::tempdir().unwrap();
+    let patch = path(&folder, "slideway.json");
+    let overloaded = slideway(&["--step", "0.05", "--out", &patch]);
+    assert_eq!((code(&overloaded), out(&overloaded).as_str()), (1, ""));
+    assert!(errors(&overloaded).contains("A3 is overloaded even at 25.4 mm/s a volt"));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    let twice = slideway(&["--plot", &path(&folder, "a.svg"), "--out", &path(&folder, "a.svg")]);
+    assert!(code(&twice) == 2 && errors(&twice).contains("would be written twice"));
+    let nowhere = slideway(&["--out", &path(&folder, "none/a.json")]);
+    assert!(code(&nowhere) == 1 && errors(&nowhere).contains("no such folder"));
+}
