@@ -1,7 +1,7 @@
 use super::clip::{Area, clipped};
 use super::font::Font;
 use super::surface::{Align, Lettering, Surface};
-use super::trace::{Line, Projection};
+use super::trace::{DOT, Line, Projection};
 use super::{Channel, Picture, PlotError, palette};
 
 /// Em size of the labels.
@@ -39,7 +39,7 @@ pub(super) fn draw(
             let label = font.shortened(label, TEXT, screen.width() / 2.0);
             let width = font.width(&label, TEXT);
             let points = tried(channel, *end).filter_map(|point| channel.points.get(point));
-            let all = points.flat_map(|point| places(onto.place(*point), width));
+            let all = points.flat_map(|point| places(onto.place(*point), clearance(channel), width));
             let is_free = |place: &Area| screen.holds(place) && !taken.iter().any(|other| other.meets(place));
             if let Some(place) = clearest(all.filter(is_free), lines) {
                 let lettering = Lettering { size: TEXT, colour: palette::TEXT, align: Align::Start };
@@ -51,24 +51,33 @@ pub(super) fn draw(
     Ok(())
 }
 
-/// Points of the line that ends at a point, from there backward.
+/// How far from its point a label stands: clear of a dot.
+fn clearance(channel: &Channel) -> f64 {
+    if channel.dots { AWAY + DOT / 2.0 } else { AWAY }
+}
+
+/// Points of the line that ends at a point, from there backward; a dot stands alone.
 fn tried(channel: &Channel, end: usize) -> impl Iterator<Item = usize> {
-    let begin = channel.breaks.iter().copied().filter(|begin| *begin <= end).max().unwrap_or(0);
+    let begin = if channel.dots { end } else { begin_of_line(channel, end) };
     let back = (end - begin) as f64 * REACH / TRIED as f64;
     let mut points: Vec<usize> = (0..=TRIED).map(|tried| end - (tried as f64 * back) as usize).collect();
     points.dedup();
     points.into_iter()
 }
 
+fn begin_of_line(channel: &Channel, end: usize) -> usize {
+    channel.breaks.iter().copied().filter(|begin| *begin <= end).max().unwrap_or(0)
+}
+
 /// Where the label of a point may stand, the best place first: to its right, above and below it.
-fn places((x, y): (f64, f64), width: f64) -> [Area; 5] {
+fn places((x, y): (f64, f64), clear: f64, width: f64) -> [Area; 5] {
     let area = |left: f64, middle: f64| Area {
         left,
         top: middle - HEIGHT / 2.0,
         right: left + width,
         bottom: middle + HEIGHT / 2.0,
     };
-    let (right, left, away) = (x + AWAY, x - AWAY - width, HEIGHT / 2.0 + AWAY);
+    let (right, left, away) = (x + clear, x - clear - width, HEIGHT / 2.0 + clear);
     [area(right, y), area(right, y - away), area(right, y + away), area(left, y - away), area(left, y + away)]
 }
 
@@ -118,5 +127,7 @@ mod tests {
         let all: Vec<usize> = tried(&channel, 199).collect();
         assert_eq!((all[0], all.iter().min()), (199, Some(&130)));
         assert_eq!(tried(&channel, 100).collect::<Vec<_>>(), [100]);
+        let dots = Channel::dots("", vec![(0.0, 0.0); 300]);
+        assert_eq!(tried(&dots, 199).collect::<Vec<_>>(), [199]);
     }
 }

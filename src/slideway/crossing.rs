@@ -94,6 +94,11 @@ impl Crossing {
         (self.area_factor * root.powi(2) / self.wedge_factor).sqrt()
     }
 
+    /// Load in N under which the pressure in the middle reaches the yield pressure.
+    pub fn yield_load(&self) -> f64 {
+        self.pressed(self.yield_overlap()).1
+    }
+
     /// Area in m2 and load in N at an overlap in m, none below 0: elastic up to the yield overlap (eq 23-7, 26-7), from there on
     /// with the mean pressure of yielding over the whole area (eq 36-7).
     pub(super) fn pressed(&self, overlap: f64) -> (f64, f64) {

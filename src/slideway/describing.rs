@@ -20,6 +20,16 @@ const FREQUENCY: Range = Range::positive("frequency", "rad/s");
 const FORCE_RATIO: Range = Range::positive("ratio E/a", "");
 const FRICTION_RATIO: Range = Range::not_negative("ratio n/a", "");
 
+/// What is left of a force by a cut-off at -a, both in units of a: the drive does not push back (eq 53-9, Fig 9.11 (b)).
+pub fn cut_off(force: f64) -> f64 {
+    force.max(-1.0)
+}
+
+/// What is left of a force by a dead zone, in units of its half width: what is beyond friction is useful (eq 52-9, Fig 9.10 (b)).
+pub fn dead_zone(force: f64) -> f64 {
+    (force.abs() - 1.0).max(0.0).copysign(force)
+}
+
 /// The share of a sine that passes a cut-off at -a, for a sine of `size` times a (eq 56-9): 1 up to a size of 1, towards 1/2 for
 /// large ones.
 pub fn cut_off_gain(size: f64) -> f64 {
@@ -291,7 +301,7 @@ mod tests {
         let step = 2.0 * PI / POINTS as f64;
         let sums = (0..POINTS).map(|index| {
             let (sine, cosine) = (step * index as f64).sin_cos();
-            Complex::new(sine, cosine) * (force * sine - friction * cosine).max(-1.0)
+            Complex::new(sine, cosine) * cut_off(force * sine - friction * cosine)
         });
         sums.sum::<Complex<f64>>() * step / (PI * force)
     }

@@ -3,6 +3,7 @@
 
 use super::joint::{Joint, PRESSURE};
 use super::material::Material;
+use super::power_law::PowerLaw;
 use super::root::halved;
 use super::units::{CM2, KGF_PER_MM2, UM};
 use super::{Range, SlidewayError};
@@ -32,6 +33,8 @@ pub struct DrySliding {
     pub velocity: f64,
     /// Modulus of alpha at this velocity.
     pub stiffening: f64,
+    /// Leading area AcLV, as a share of the apparent one (eq 92-7).
+    pub leading_share: f64,
     /// Friction coefficient mu_k (eq 115-7, 116-7).
     pub friction: f64,
     /// Penetration hdv, in m (eq 95-7).
@@ -40,6 +43,17 @@ pub struct DrySliding {
     pub stiffness: f64,
     /// Normal damping CE of a square metre, in Pa s/m, from the balance of eq 102-7; none at rest.
     pub damping: Option<f64>,
+}
+
+/// Leading area by penetration, cm2 on a square centimetre by um (eq 100-7).
+const AREA_BY_PENETRATION: PowerLaw = PowerLaw::new(1.32e-4, 3.7);
+
+impl DrySliding {
+    /// Viscosity UA of the asperities in Pa s, CE hd / AcL with AcL as printed, 1.32 hd^3.7 1e-4 (eq 99-7 ... 101-7); none at rest.
+    pub fn asperity_viscosity(&self) -> Option<f64> {
+        let share = AREA_BY_PENETRATION.at(self.penetration / UM);
+        self.damping.map(|damping| damping * self.penetration / share)
+    }
 }
 
 impl DryFriction {
@@ -92,6 +106,7 @@ impl DryFriction {
         Ok(DrySliding {
             velocity,
             stiffening,
+            leading_share: share,
             friction: share * joint.material.shear_strength / self.pressure + climb,
             penetration,
             stiffness,

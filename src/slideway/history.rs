@@ -10,6 +10,7 @@ const MASS: Range = Range::positive("mass M", "kg");
 const STIFFNESS: Range = Range::positive("stiffness K", "N/m");
 const VELOCITY: Range = Range::positive("drive velocity", "m/s");
 const WEIGHT: Range = Range::not_negative("weight W", "N");
+const DISTANCE: Range = Range::positive("critical distance", "m");
 const TIME: Range = Range::not_negative("time at rest", "s");
 /// Nearer to 1 a slip would have to be followed through more than a hundred powers of ten.
 const DAMPING: Range = Range::new("damping ratio", "", 0.0, 0.999);
@@ -157,13 +158,48 @@ impl GrowthAtRest {
         Ok(self.kinetic + self.factor * TIME.check(time)?.powf(self.exponent))
     }
 
+    /// How far each slip goes, in m, under a weight in N, on a drive of a stiffness in N/m that moves at a velocity in m/s: a spring
+    /// gives way by 2 W (mu_s - mu_k) / K, and is drawn as far again while friction grows, x = (2 W gamma / (K V^beta))^(1 / (1 - beta))
+    /// (2.3, Fig 2.2, without damping).
+    ///
+    /// # Errors
+    /// Where weight, stiffness or velocity is not above 0, or gamma or beta outside of what makes friction grow, beta 0 ... 0.99.
+    pub fn slip(&self, weight: f64, stiffness: f64, velocity: f64) -> Result<f64, SlidewayError> {
+        let (give, beta) = self.give(weight, stiffness)?;
+        Ok((give / VELOCITY.check(velocity)?.powf(beta)).powf(1.0 / (1.0 - beta)))
+    }
+
+    /// The velocity in m/s at which a slip goes as far as the critical distance in m, where Rabinowicz has stick-slip end.
+    ///
+    /// # Errors
+    /// As [`GrowthAtRest::slip`], and where the distance is not above 0 or friction does not grow.
+    pub fn end_of_stick_slip(
+        &self,
+        weight: f64,
+        stiffness: f64,
+        critical_distance: f64,
+    ) -> Result<f64, SlidewayError> {
+        let (give, beta) = self.give(weight, stiffness)?;
+        let distance = DISTANCE.check(critical_distance)?;
+        let beta = Range::positive("beta", "").check(beta)?;
+        Ok(distance * (give / distance).powf(1.0 / beta))
+    }
+
+    /// 2 W gamma / K: how far a spring gives way by what friction has grown in a second; and beta.
+    fn give(&self, weight: f64, stiffness: f64) -> Result<(f64, f64), SlidewayError> {
+        let weight = Range::positive("weight W", "N").check(weight)?;
+        let factor = Range::positive("gamma", "").check(self.factor)?;
+        let beta = Range::new("beta", "", 0.0, 0.99).check(self.exponent)?;
+        Ok((2.0 * weight * factor / STIFFNESS.check(stiffness)?, beta))
+    }
+
     /// Kinetic coefficient at a velocity in m/s by Rabinowicz's rule: the static one after the time that it takes to slide the critical
     /// distance, in m.
     ///
     /// # Errors
     /// Where velocity or distance is not above 0.
     pub fn coefficient_at(&self, velocity: f64, critical_distance: f64) -> Result<f64, SlidewayError> {
-        let distance = Range::positive("critical distance", "m").check(critical_distance)?;
+        let distance = DISTANCE.check(critical_distance)?;
         self.static_coefficient(distance / VELOCITY.check(velocity)?)
     }
 }
@@ -245,9 +281,21 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::slideway::near;
 
     fn unit(damping: f64) -> Slip {
         Slip { drop: 1.0, mass: 1.0, stiffness: 1.0, damping }
+    }
+
+    #[test]
+    fn a_slip_is_as_long_as_friction_makes_it() {
+        let growth = GrowthAtRest { kinetic: 0.2, factor: 0.05, exponent: 0.3 };
+        let (weight, stiffness, velocity) = (10.0, 2e4, 1e-4);
+        let slip = growth.slip(weight, stiffness, velocity).unwrap();
+        let grown = growth.static_coefficient(slip / velocity).unwrap() - growth.kinetic;
+        near(2.0 * weight * grown / stiffness, slip, 1e-12);
+        let end = growth.end_of_stick_slip(weight, stiffness, slip).unwrap();
+        near(end, velocity, 1e-12);
     }
 
     #[test]

@@ -16,6 +16,9 @@ use super::{Range, SlidewayError};
 pub(super) const PRESSURE: Range =
     Range::new("mean pressure Pw", "Pa", 1e-4 * KGF_PER_CM2, 8.0 * KGF_PER_CM2);
 
+/// Mean pressure under the study's table, 454 kgf on 697 cm2, in Pa (7.2).
+pub const STUDY_PRESSURE: f64 = 0.65 * KGF_PER_CM2;
+
 /// A joint of two like surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {

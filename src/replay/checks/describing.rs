@@ -9,7 +9,9 @@ use super::super::given::{Given, GivenError};
 use super::stability::table;
 use super::{Check, CheckError};
 use crate::slideway::SlidewayError;
-use crate::slideway::describing::{LimitCycle, Oscillation, Swing, cut_off_gain, dead_zone_gain};
+use crate::slideway::describing::{
+    LimitCycle, Oscillation, Swing, cut_off_gain, dead_zone_gain, oscillation_at,
+};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::stability::DrivenTable;
 use crate::slideway::units::{MM, MM_PER_S, N_S_PER_MM};
@@ -32,6 +34,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "limit-cycle", run: limit_cycle },
     Check { name: "product-of-digits", run: product_of_digits },
     Check { name: "limit-cycle-sticks", run: sticks },
+    Check { name: "ends-with-a-swing", run: ends_with_a_swing },
     Check { name: "slower-is-larger", run: slower_is_larger },
     Check { name: "softer-is-larger", run: softer_is_larger },
     Check { name: "softer-swings-more", run: softer_swings_more },
@@ -167,9 +170,13 @@ fn at_angle(given: &Given) -> Result<Finding, CheckError> {
 
 /// The limit cycle with E/a, and its oscillation on the friction of the simulation, VcL as given or 40 mm/s.
 fn cycle(given: &Given, table: &DrivenTable, force: f64) -> Result<(LimitCycle, Oscillation), CheckError> {
-    let friction = FallingFriction::simulated(given.number_or("VcL", 0.04)?);
     let cycle = table.limit_cycle(force)?;
-    Ok((cycle, cycle.oscillation(table, &friction)?))
+    Ok((cycle, cycle.oscillation(table, &friction(given)?)?))
+}
+
+/// The friction that Table T9-6 was read with.
+fn friction(given: &Given) -> Result<FallingFriction, CheckError> {
+    Ok(FallingFriction::simulated(given.number_or("VcL", 0.04)?))
 }
 
 /// A part of the limit cycle with E/a: angle in degrees, frequency in rad/s, n/E, n/a, Cn in N s/mm, v0 and v in mm/s, e in mm.
@@ -194,6 +201,16 @@ fn sticks(given: &Given) -> Result<Finding, CheckError> {
     let wanted = given.word("is", &[("stick-slip", true), ("quasi-harmonic", false)])?;
     let found = format!("swing {:.2} about {:.2} mm/s", motion.swing / MM_PER_S, motion.velocity / MM_PER_S);
     Ok(Finding::shape(motion.sticks() == wanted, found))
+}
+
+/// Whether velocity still swings at E/a = 1, beyond which a command a thousandth faster has no limit cycle.
+fn ends_with_a_swing(given: &Given) -> Result<Finding, CheckError> {
+    let (table, friction) = (table(given)?, friction(given)?);
+    let (_, motion) = cycle(given, &table, 1.0)?;
+    let is_last = oscillation_at(&table, &friction, motion.velocity * 1.001).is_err();
+    let found =
+        format!("swings by {:.2} mm/s up to {:.2} mm/s", motion.swing / MM_PER_S, motion.velocity / MM_PER_S);
+    Ok(Finding::shape(is_last && motion.swing > 0.0, found))
 }
 
 /// That what is asked for grows, or falls, as the command is slower: E/a of 1, 5 and 20.

@@ -15,6 +15,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "highest-critical-velocity", run: highest },
     Check { name: "stable-limit", run: stable },
     Check { name: "falls-below-static", run: falls_below_static },
+    Check { name: "slope-of-any-sign", run: slope_of_any_sign },
     Check { name: "straight-slope-turns", run: straight_slope_turns },
 ];
 
@@ -108,6 +109,20 @@ fn falls_below_static(given: &Given) -> Result<Finding, CheckError> {
         most = most.max(force? / friction.static_friction);
     }
     Ok(Finding::truth(most < 1.0, format!("at most {most:.4} of Fs from 1 % of VcL on")))
+}
+
+/// That friction is above 0 at every velocity up to twice VcL, while its slope is below 0, 0 and above 0 in turn.
+fn slope_of_any_sign(given: &Given) -> Result<Finding, CheckError> {
+    let (friction, damping) = (friction(given)?, damping(given)?);
+    let least = friction.velocity_of_least(damping)?;
+    let slope = |velocity: f64| friction.slope(velocity).map(|falling| (damping - falling) * 1e-3);
+    let (first, turning, last) = (slope(0.0)?, slope(least)?, slope(2.0 * friction.limit)?);
+    let mut is_above = true;
+    for step in 0..=200 {
+        is_above &= friction.total(friction.limit * f64::from(step) / 100.0, damping)? > 0.0;
+    }
+    let holds = is_above && first < 0.0 && turning.abs() < 1e-9 && last > 0.0;
+    Ok(Finding::truth(holds, format!("slope {first:.1}, 0 and {last:.1} N s/mm, friction above 0")))
 }
 
 /// That the straight line's friction falls just below VcL and rises just above.

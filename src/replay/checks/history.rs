@@ -16,6 +16,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "mean-shear", run: mean_shear },
     Check { name: "ernst-merchant", run: ernst_merchant },
     Check { name: "rabinowicz-rule", run: rabinowicz_rule },
+    Check { name: "stick-slip-falls", run: stick_slip_falls },
     Check { name: "wear-particle", run: wear_particle },
     Check { name: "kraghelskii", run: kraghelskii },
     Check { name: "junctions-grow", run: junctions_grow },
@@ -88,6 +89,39 @@ fn rabinowicz_rule(given: &Given) -> Result<Finding, CheckError> {
     let coefficients = [at(0.01)?, at(0.1)?, at(1.0)?];
     let falls = coefficients.windows(2).all(|pair| pair[1] < pair[0]);
     Ok(Finding::shape(falls, format!("{coefficients:.3?} at 0.01, 0.1 and 1 mm/s")))
+}
+
+/// That each slip gets shorter with velocity, or with a stiffer drive, or that stick-slip ends sooner on a stiffer drive, under 10 N and
+/// with a critical distance of 10 um.
+fn stick_slip_falls(given: &Given) -> Result<Finding, CheckError> {
+    type Row = fn(&GrowthAtRest) -> Result<[f64; 3], SlidewayError>;
+    let row = given.word::<Row>(
+        "with",
+        &[
+            ("velocity", |growth| {
+                Ok([
+                    growth.slip(10.0, 2e4, 1e-5)?,
+                    growth.slip(10.0, 2e4, 1e-4)?,
+                    growth.slip(10.0, 2e4, 1e-3)?,
+                ])
+            }),
+            ("stiffness", |growth| {
+                Ok([
+                    growth.slip(10.0, 1e4, 1e-4)?,
+                    growth.slip(10.0, 2e4, 1e-4)?,
+                    growth.slip(10.0, 5e4, 1e-4)?,
+                ])
+            }),
+            ("end", |growth| {
+                let end = |stiffness: f64| growth.end_of_stick_slip(10.0, stiffness, 10e-6);
+                Ok([end(1e4)?, end(2e4)?, end(5e4)?])
+            }),
+        ],
+    )?;
+    let found = row(&growth(given)?)?;
+    let falls = found.windows(2).all(|pair| pair[1] < pair[0]);
+    let unit = if given.text("with") == Some("end") { "mm/s" } else { "mm" };
+    Ok(Finding::shape(falls, format!("{:.3?} {unit}", found.map(|number| number * 1e3))))
 }
 
 /// Rabinowicz's least diameter in cm, for J/m2 and kgf/mm2.

@@ -11,7 +11,9 @@ use crate::slideway::dry_friction::{DryFriction, DrySliding, printed_penetration
 use crate::slideway::lubricated::{LubricatedJoint, LubricatedSliding};
 use crate::slideway::oil::{Correction, Oil, thickening, thinning};
 use crate::slideway::power_law::PowerLaw;
-use crate::slideway::units::{CM, CM_PER_S, CM2, KGF, KGF_PER_MM2, MM_PER_S, N_S_PER_MM, UM, UM2};
+use crate::slideway::units::{
+    CM, CM_PER_S, CM2, KGF, KGF_PER_CM2, KGF_PER_MM2, MM_PER_S, N_S_PER_MM, UM, UM2,
+};
 use crate::slideway::wedge::{RangeProfile, Wedge};
 
 pub(super) const CHECKS: &[Check] = &[
@@ -19,6 +21,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "dry-frequency-of-most", run: dry_frequency_of_most },
     Check { name: "dry-friction-exponent", run: dry_friction_exponent },
     Check { name: "stiffness-and-alpha", run: stiffness_and_alpha },
+    Check { name: "damping-and-alpha", run: damping_and_alpha },
     Check { name: "penetration-of-area", run: penetration_of_area },
     Check { name: "stiffening-at", run: stiffening_at },
     Check { name: "range-profile", run: range_profile },
@@ -62,7 +65,7 @@ fn dry_sliding(given: &Given) -> Result<Finding, CheckError> {
             ("penetration", |at| at.penetration / UM),
             ("stiffness", |at| at.stiffness * CM2 * CM / KGF),
             ("damping", |at| damping(at)),
-            ("viscosity", |at| damping(at) / (1.32 * (at.penetration / UM).powf(2.7))),
+            ("viscosity", |at| at.asperity_viscosity().unwrap_or(0.0) / KGF_PER_CM2),
             ("time", |at| damping(at) / (at.stiffness * CM2 * CM / KGF)),
         ],
     )?;
@@ -126,6 +129,25 @@ fn stiffness_and_alpha(given: &Given) -> Result<Finding, CheckError> {
     }
     let [stiffness, inverse] = [0, 1].map(|index| before[index] / at_rest[index]);
     Ok(Finding::shape(holds, format!("to {stiffness:.3} and {inverse:.3} of what they are at rest")))
+}
+
+/// Whether the normal damping and the imaginary part of alpha both rise to one crest and fall from there on.
+fn damping_and_alpha(given: &Given) -> Result<Finding, CheckError> {
+    let dry = dry(given)?;
+    let (mut heights, mut crests) = ([Vec::new(), Vec::new()], Vec::new());
+    let frequencies: Vec<f64> =
+        (0..=POINTS).map(|step| 10f64.powf(4.0 * f64::from(step) / f64::from(POINTS) - 1.0)).collect();
+    for frequency in &frequencies {
+        heights[0].push(damping(&dry.at_frequency(*frequency)?));
+        heights[1].push(dry.response(*frequency)?.1);
+    }
+    let mut holds = true;
+    for row in &heights {
+        let crest = row.windows(2).take_while(|pair| pair[1] > pair[0]).count();
+        holds &= crest > 0 && crest < row.len() - 1 && row[crest..].windows(2).all(|pair| pair[1] < pair[0]);
+        crests.push(frequencies[crest]);
+    }
+    Ok(Finding::shape(holds, format!("one crest each, near {:.0} and {:.0} rad/s", crests[0], crests[1])))
 }
 
 /// hd in um of a leading area of A um2, by eq 96-7.

@@ -1,0 +1,173 @@
+//! Chapter 9: limit cycles, where the curves of the table meet those of friction (9.4 (ii)).
+
+use super::chapter_9_describing::{Curve, DRIVES, SETTINGS, at, inverse, locus, plane, table};
+use super::graph::{by_ratio, curve, evenly};
+use super::{Drawn, Figure, Graph};
+use crate::replay::recipe::Problem;
+use crate::slideway::SlidewayError;
+use crate::slideway::describing::{LimitCycle, Oscillation, Swing, oscillation_at};
+use crate::slideway::falling::FallingFriction;
+use crate::slideway::stability::DrivenTable;
+use crate::slideway::units::{MM_PER_S, N_S_PER_MM};
+
+/// The figures, in their order.
+pub(super) const FIGURES: &[Figure] = &[
+    Figure {
+        id: "fig-9-15",
+        place: "9.4 (ii), Tables T9-4, T9-5",
+        title: "Nyquist diagram with intersections",
+        claims: &[
+            "9-097", "9-113", "9-115", "9-121", "9-133", "9-151", "9-157", "9-165", "9-196.a", "9-196.b",
+        ],
+        draw: nyquist,
+    },
+    Figure {
+        id: "fig-9-16",
+        place: "9.4 (ii), table before eq 84-9",
+        title: "modulus by phase angle, and where the curves meet",
+        claims: &["9-170", "9-174", "9-178", "9-182", "9-186", "9-190", "9-193", "9-197"],
+        draw: modulus_by_angle,
+    },
+    Figure {
+        id: "fig-9-17",
+        place: "9.4 (ii), Table T9-6",
+        title: "velocity profile by describing functions",
+        claims: &["9-203", "9-208", "9-213", "9-215", "9-230", "9-235.45", "9-236.45.5", "9-237.1", "9-238"],
+        draw: profile,
+    },
+];
+
+/// Ratios E/a of the study.
+const FORCES: [f64; 3] = [1.0, 5.0, 20.0];
+
+/// Ratios n/a of Table T9-4.
+const T9_4: [f64; 9] = [0.0, 0.1, 0.4, 0.6, 1.0, 2.0, 4.0, 5.0, 10.0];
+
+fn nyquist(figure: &Figure) -> Result<Drawn, Problem> {
+    let mut graph = plane(figure).across(-2.5, 0.0).up(-1.0, 0.2);
+    for drive in DRIVES {
+        let low = 150.0 * (drive / DRIVES[0]).sqrt();
+        graph = graph.line(format!("G(jω), {drive} MN/m"), locus(&table(drive), low, 3000.0)?);
+    }
+    let mut dots = Vec::new();
+    for force in FORCES {
+        let curve: Vec<_> =
+            evenly(0.0, 10.0, 201).map(|friction| inverse(force, friction)).collect::<Result<_, _>>()?;
+        graph = graph.line(format!("−1 / NE, E/a = {force}"), curve);
+        let printed = T9_4.iter().map(|friction| inverse(force, *friction));
+        dots.extend(printed.collect::<Result<Vec<_>, _>>()?);
+    }
+    let meeting = limit_cycles()?.into_iter().map(|(table, cycle)| at(&table, cycle.frequency));
+    let meeting = meeting.collect::<Result<_, _>>()?;
+    let graph = graph.dots("n/a of Table T9-4", dots).dots("limit cycles", meeting);
+    let cycle = table(DRIVES[0]).limit_cycle(FORCES[2])?;
+    let reading = format!(
+        "every pair of curves meets once; at E/a = 20 and 45 MN/m with n/a = {:.2} at {:.0} rad/s (printed 2.10, 235)",
+        cycle.friction_by_spare(),
+        cycle.frequency
+    );
+    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+}
+
+/// Limit cycles of both tables with all ratios E/a, where the curves meet.
+fn limit_cycles() -> Result<Vec<(DrivenTable, LimitCycle)>, SlidewayError> {
+    let all = DRIVES.iter().flat_map(|drive| FORCES.map(|force| (table(*drive), force)));
+    all.map(|(table, force)| Ok((table, table.limit_cycle(force)?))).collect()
+}
+
+fn modulus_by_angle(figure: &Figure) -> Result<Drawn, Problem> {
+    let mut graph = Graph::new(&figure.heading(), ("phase angle φ, δ", "degrees"), ("|G(jω)|, 1 / |NE|", ""))
+        .across(0.0, 10.0)
+        .up(0.0, 2.5);
+    for drive in DRIVES {
+        let table = table(drive);
+        let points = by_ratio(90.0, 2000.0, 301).map(|frequency| by_angle(&table, frequency));
+        graph = graph.line(format!("|G|, {drive} MN/m"), points.collect::<Result<_, _>>()?);
+    }
+    for force in FORCES {
+        let points = curve(evenly(0.0, 10.0, 51), |degrees| {
+            Swing { force, friction: force * degrees.to_radians().tan() }.reciprocal()
+        })?;
+        graph = graph.line(format!("1 / |NE|, E/a = {force}"), points);
+    }
+    let meeting = limit_cycles()?;
+    let dots = meeting.iter().map(|(table, cycle)| by_angle(table, cycle.frequency));
+    let dots = dots.collect::<Result<_, _>>()?;
+    let told: Vec<_> = meeting.iter().map(|(_, cycle)| format!("{:.0}", cycle.frequency)).collect();
+    let mut graph = graph.dots("they meet, at rad/s", dots);
+    for (index, frequency) in told.iter().enumerate() {
+        graph = graph.label(index, frequency.clone());
+    }
+    let reading = format!(
+        "at E/a = 1, 5, 20 they meet at {} rad/s with 45 MN/m, {} with 22.5; printed 322.2, 255, 235, 227.7, 180, 166",
+        told[..3].join(", "),
+        told[3..].join(", ")
+    );
+    Ok(Drawn::of_theory(vec![graph.picture()], SETTINGS, reading))
+}
+
+/// The angle in degrees by which G is short of half a turn, and its modulus, at a frequency in rad/s.
+fn by_angle(table: &DrivenTable, frequency: f64) -> Result<(f64, f64), SlidewayError> {
+    Ok((table.open_loop_angle(frequency)?.to_degrees(), table.open_loop(frequency)?.norm()))
+}
+
+fn profile(figure: &Figure) -> Result<Drawn, Problem> {
+    let friction = FallingFriction::simulated(40.0 * MM_PER_S);
+    let heading = figure.heading();
+    let mut graph = Graph::new(&heading, ("steady velocity v0", "mm/s"), ("output velocity", "mm/s"))
+        .across(15.0, 35.0)
+        .up(-15.0, 60.0)
+        .line("command", vec![(15.0, 15.0), (35.0, 35.0)]);
+    let (mut dots, mut told) = (Vec::new(), Vec::new());
+    for drive in DRIVES {
+        let table = table(drive);
+        let motions = motions(&table, &friction)?;
+        let (fastest, slowest) = (motions[0], motions[2]);
+        let edges = edges(&table, &friction, slowest.velocity, fastest.velocity)?;
+        graph = graph.line(format!("it swings within, {drive} MN/m"), edges);
+        for Oscillation { velocity, swing, .. } in motions {
+            dots.extend([swing, -swing].map(|off| (velocity / MM_PER_S, (velocity + off) / MM_PER_S)));
+        }
+        told.push(format!("{:.1}", slowest.swing / MM_PER_S));
+    }
+    let graph = graph.dots("E/a = 1, 5, 20 of Table T9-6", dots);
+    let table = table(DRIVES[0]);
+    let reading = format!(
+        "at 19.1 mm/s it swings by {} mm/s and comes to rest, stick-slip; it ends at {:.2} mm/s, where Cn is {:.2} N s/mm, whatever the drive",
+        told.join(" and "),
+        motions(&table, &friction)?[0].velocity / MM_PER_S,
+        table.limit_cycle(FORCES[0])?.slope / N_S_PER_MM
+    );
+    let settings = format!("Fs = 771 N, VcL = 40 mm/s, {SETTINGS}");
+    Ok(Drawn::of_theory(vec![graph.picture()], &settings, reading))
+}
+
+/// How a table swings with the ratios of Table T9-6, the fastest command first.
+fn motions(table: &DrivenTable, friction: &FallingFriction) -> Result<Vec<Oscillation>, SlidewayError> {
+    FORCES.iter().map(|force| table.limit_cycle(*force)?.oscillation(table, friction)).collect()
+}
+
+/// Between which velocities in mm/s it swings, over commands in m/s: along the upper edge, and back along the lower.
+fn edges(table: &DrivenTable, friction: &FallingFriction, slow: f64, fast: f64) -> Result<Curve, Problem> {
+    // The last limit cycle is on the edge of there being none.
+    let commands = by_ratio(slow, fast * (1.0 - 1e-9), 101);
+    let swings = curve(commands, |velocity| Ok(oscillation_at(table, friction, velocity)?.swing))?;
+    let edge = |sign: f64| {
+        swings
+            .iter()
+            .map(move |(velocity, swing)| (velocity / MM_PER_S, (velocity + sign * swing) / MM_PER_S))
+    };
+    Ok(edge(1.0).chain(edge(-1.0).rev()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::reading;
+
+    #[test]
+    fn what_is_read_off_is_what_the_text_reads() {
+        assert!(reading("fig-9-15").contains("n/a = 2.10 at 235 rad/s"), "{}", reading("fig-9-15"));
+        assert!(reading("fig-9-16").contains("322, 255, 235 rad/s"), "{}", reading("fig-9-16"));
+        assert!(reading("fig-9-17").contains("28.89 mm/s"), "{}", reading("fig-9-17"));
+    }
+}
