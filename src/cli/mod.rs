@@ -15,6 +15,8 @@ mod man;
 mod new;
 mod overloads;
 mod phases;
+mod profile;
+mod profile_report;
 mod progress;
 mod readings;
 mod replay;
@@ -58,6 +60,8 @@ enum Command {
     Replay(replay::Arguments),
     /// From oil, load, stiffness and surface of a slideway to its critical velocity, and what lowers it
     Slideway(slideway::Arguments),
+    /// Explain a velocity profile: where it sticks and slips, oscillates and slides, while the command rises
+    Profile(profile::Arguments),
     /// Draw the schematic of a patch, or the patch panel with its cords
     Draw(draw::Arguments),
     /// Small motions about a point: roots, frequencies, damping, Bode plot
@@ -98,6 +102,7 @@ fn carry_out(command: &Command) -> Result<(), Failure> {
         Command::Sweep(arguments) => sweep::sweep(arguments),
         Command::Replay(arguments) => replay::replay(arguments),
         Command::Slideway(arguments) => slideway::slideway(arguments),
+        Command::Profile(arguments) => profile::profile(arguments),
         Command::Draw(arguments) => draw::draw(arguments),
         Command::Linearise(arguments) => linearise::linearise(arguments),
         Command::Elements(arguments) => elements::elements(arguments),

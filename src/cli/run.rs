@@ -75,7 +75,8 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     say(&files.told())
 }
 
-fn watched(program: &Program, settings: &RunSettings) -> Result<Trace, Box<Stopped>> {
+/// Runs with a bar at a terminal.
+pub(super) fn watched(program: &Program, settings: &RunSettings) -> Result<Trace, Box<Stopped>> {
     let mut progress = Progress::new(settings.whole());
     let outcome = solve::run_watched(program, settings, &mut |time| {
         if let Some(progress) = &mut progress {

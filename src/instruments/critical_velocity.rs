@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::is_signal;
 use super::window::{WindowError, samples_in};
-use crate::patch::told;
+use crate::patch::{Dimension, Unit, told};
 
 /// When a velocity counts as oscillating: a critical velocity means nothing without it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +20,13 @@ pub struct Criterion {
 impl Criterion {
     /// The threshold in m/s, and the window in s, that `docs/compromise.md` measures with.
     pub const USUAL: Criterion = Criterion { threshold: 0.25e-3, window: 0.04 };
+
+    /// The usual criterion with its threshold in another unit; nothing where that is no velocity.
+    pub fn usual(unit: &str) -> Option<Criterion> {
+        let velocity = Dimension::LENGTH.over(Dimension::TIME);
+        let unit = Unit::parse(unit).ok().filter(|unit| unit.dimension() == velocity)?;
+        Some(Criterion { threshold: unit.out_of_si(Self::USUAL.threshold), ..Self::USUAL })
+    }
 }
 
 /// The critical velocities of a profile, in the unit of the command.
@@ -144,7 +151,8 @@ impl<'a> Profile<'a> {
     }
 }
 
-fn first_largest(values: &[f64]) -> usize {
+/// Where the largest value without sign stands first.
+pub(super) fn first_largest(values: &[f64]) -> usize {
     let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     values.iter().position(|value| value.abs() == largest).unwrap_or(0)
 }

@@ -1,5 +1,6 @@
 //! Instruments: what can be read from a trace.
 
+mod critical_range;
 mod critical_velocity;
 mod cut;
 mod cycles;
@@ -10,6 +11,8 @@ mod log;
 mod measure;
 mod oscillation;
 mod parameters;
+mod profile;
+mod profile_picture;
 mod quantity;
 mod ringing;
 mod scope;
@@ -20,6 +23,7 @@ mod stick;
 mod voltmeter;
 mod window;
 
+pub use critical_range::{CriticalInterval, CriticalRange, critical_range};
 pub use critical_velocity::{Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity};
 pub use cycles::{Cycle, CyclesError, cycles};
 pub use friction_loop::{FrictionLoop, FrictionLoopError, Turning, friction_loop};
@@ -28,6 +32,10 @@ pub use log::{deed, ending, missed};
 pub use measure::{Cell, Column, Measure, MeasureError, measures};
 pub use oscillation::{Oscillation, OscillationError, oscillation};
 pub use parameters::parameter_line;
+pub use profile::{
+    Absent, ProfileCriterion, ProfileError, ProfilePoint, Section, VelocityProfile, velocity_profile,
+};
+pub use profile_picture::{Drawn, profile_picture};
 pub use quantity::Display;
 pub use ringing::{Ringing, RingingError, ringing};
 pub use scope::{ScopeError, picture};

@@ -28,10 +28,10 @@ pub enum ScopeError {
 }
 
 /// A quantity along an axis.
-struct Quantity<'t> {
-    name: &'t str,
-    unit: &'t str,
-    values: Vec<f64>,
+pub(super) struct Quantity<'t> {
+    pub name: &'t str,
+    pub unit: &'t str,
+    pub values: Vec<f64>,
 }
 
 impl<'t> Quantity<'t> {
@@ -133,7 +133,7 @@ fn find<'t>(trace: &'t Trace, spec: &PictureSpec, name: &str) -> Result<Quantity
 }
 
 /// An axis for quantities of one unit, and how their values are shown on it.
-fn axis(quantities: &[&Quantity<'_>], divisions: usize) -> (Axis, Display) {
+pub(super) fn axis(quantities: &[&Quantity<'_>], divisions: usize) -> (Axis, Display) {
     let all = || quantities.iter().flat_map(|quantity| quantity.values.iter().copied());
     let largest = all().filter(|value| value.is_finite()).fold(0.0, |most: f64, value| most.max(value.abs()));
     let display = Display::new(quantities.first().map_or("", |quantity| quantity.unit), largest);

@@ -13,6 +13,7 @@ mod man;
 mod new;
 mod phases;
 mod pictures;
+mod profile;
 mod readme;
 mod refused;
 mod replay;

@@ -14,10 +14,11 @@ const NAKASHIMA: &str = "patches/others/nakashima.json";
 const BOTH: &str = "patches/thesis/fig-8-16-both.json";
 
 /// Commands and the pictures that they draw; those of lessons are held fresh by `tests/lessons`.
-const PICTURES: [(&[&str], &str); 13] = [
+const PICTURES: [(&[&str], &str); 14] = [
     (&["run", FIG_8_16], "fig-8-16.svg"),
     (&["run", COULOMB], "fig-8-16-coulomb.svg"),
     (&["run", BOTH], "fig-8-16-both.svg"),
+    (&["profile", FIG_8_16], "fig-8-16.profile.svg"),
     (&["draw", FIG_8_16], "fig-8-16.schematic.svg"),
     (&["linearise", FIG_8_04, "--from", "v_i", "--to", "v_o"], "fig-8-04.bode.svg"),
     (&["run", BALL, "--sensitivity", "e,g,h0"], "bouncing-ball.sensitivity.svg"),

@@ -2,7 +2,7 @@
 
 use patchcord::patch::Patch;
 
-use super::common::{element, volts};
+use super::common::{element, shipped, volts};
 use super::{rows, sweep};
 
 /// The command rises by 2 mm/s2 for 4 s and comes back. v_o swings at 50 Hz until the command has risen to `end`, and again once it
@@ -49,5 +49,56 @@ fn every_measure_has_its_own_column() {
         near(6, 0.4, 1e-3);
         assert_eq!(cells[7], "S");
         near(8, 1.4, 1e-3);
+    }
+}
+
+/// A velocity of 3 + 2 sin mm/s and a force of 50 + 30 sin N that leads it by `lead`, at 40 Hz, in mm/s and kN.
+fn driven() -> Patch {
+    let sine = |size: f64| element("sine").set("amplitude", size).set("frequency", 40);
+    volts("driven")
+        .parameter("lead", 0.5, "1", [-3.0, 3.0])
+        .scale("velocity", 0.1, "mm/s")
+        .scale("force", 1e-3, "kN")
+        .drive("v", "velocity", sine(2.0).set("offset", 3))
+        .drive("F", "force", sine(0.03).set("offset", 0.05).set("phase", "lead"))
+        .element("B", element("inverter").cord("in", "v"))
+        .run(1.0, 1e-4)
+        .build()
+        .unwrap_or_else(|report| panic!("{report}"))
+}
+
+#[test]
+fn a_friction_loop_is_measured_in_si_units() {
+    let sweep = sweep(&driven(), &["lead=-1,0.5"], &["friction_loop:v,F"], |own| own);
+    for (row, lead) in rows(&sweep, 1).iter().zip([-1.0_f64, 0.5]) {
+        let cells: Vec<f64> = row.split(',').take(3).map(|cell| cell.parse().unwrap()).collect();
+        let area = std::f64::consts::PI * 2e-3 * 30.0 * lead.sin();
+        let work = (3e-3 * 50.0 + 0.5 * 2e-3 * 30.0 * lead.cos()) / 40.0;
+        // 250 samples make the polygon of a cycle smaller by 1e-4.
+        assert!((cells[1] / area - 1.0).abs() < 3e-4, "{row}: {area}");
+        assert!((cells[2] / work - 1.0).abs() < 3e-4, "{row}: {work}");
+    }
+}
+
+#[test]
+fn a_profile_and_its_range_go_with_the_critical_velocity() {
+    let measures = ["critical_velocity", "critical_velocity_range", "profile", "friction_loop"];
+    let sweep = sweep(&shipped("thesis/fig-8-16"), &["VcL=2.54e-3,12.7e-3"], &measures, |own| own);
+    for (row, sticks) in rows(&sweep, 2).iter().zip([true, false]) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let number =
+            |column: usize| cells[column].parse::<f64>().unwrap_or_else(|_| panic!("{column} of {row}"));
+        let (rising, least, most) = (number(1), number(3), number(4));
+        assert!(least < rising && rising < most && most < 1.3 * least, "{row}");
+        assert_eq!(number(5), 0.0, "every criterion can be read");
+        let back = [2, 6, 7, 8].map(|column| cells[column]);
+        assert_eq!(back, [""; 4], "it does not come back");
+        assert_eq!((number(9), number(13)), (number(10), rising), "{row}");
+        assert_eq!((cells[11].is_empty(), cells[12].is_empty()), (!sticks, !sticks), "{row}");
+        assert!(!sticks || (number(11) == number(9) && number(12) < rising), "{row}");
+        // In its last half it still oscillates where friction falls slowly.
+        assert_eq!((cells[14].is_empty(), cells[15].is_empty()), (sticks, sticks), "{row}");
+        let quiet = "friction_loop_area: it oscillates for 0 whole cycles of 1";
+        assert_eq!(row.contains(quiet), sticks, "{row}");
     }
 }

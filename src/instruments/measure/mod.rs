@@ -7,7 +7,7 @@ use super::Criterion;
 use crate::patch::{Dimension, Unit, suggestion};
 use crate::program::Probe;
 use crate::trace::Trace;
-use table::{Entry, TABLE, UnitOf};
+use table::{Entry, Signals, TABLE, UnitOf};
 
 /// An instrument connected to the signals that it reads.
 ///
@@ -105,6 +105,16 @@ pub enum MeasureError {
         /// The other.
         second: String,
     },
+    /// A signal is not what it is read as.
+    #[error("{measure} reads {signal} as a {wanted}, which it is not")]
+    Quantity {
+        /// The measure.
+        measure: &'static str,
+        /// The signal with its unit.
+        signal: String,
+        /// What it would have to be.
+        wanted: &'static str,
+    },
     /// The usual threshold is a velocity, and the signals are none.
     #[error("{measure} needs a threshold for signals in {unit}: write threshold=VALUE behind them")]
     NoThreshold {
@@ -147,19 +157,24 @@ impl Measure {
     fn checked(mut self) -> Result<Self, MeasureError> {
         let measure = self.entry.name;
         let [(first, unit), (second, other)] = self.signals.as_slice() else { return Ok(self) };
-        if unit != other {
-            let told = |name: &str, unit: &str| format!("{name} in {unit}");
-            return Err(MeasureError::Units {
-                measure,
-                first: told(first, unit),
-                second: told(second, other),
-            });
+        match self.entry.signals {
+            Signals::VelocityAndForce(_) => {
+                is_in(measure, first, unit, "velocity", Dimension::LENGTH.over(Dimension::TIME))?;
+                is_in(measure, second, other, "force", Dimension::FORCE)?;
+            }
+            _ if unit != other => {
+                let told = |name: &str, unit: &str| format!("{name} in {unit}");
+                return Err(MeasureError::Units {
+                    measure,
+                    first: told(first, unit),
+                    second: told(second, other),
+                });
+            }
+            _ => (),
         }
         if self.options[0].is_none() {
-            let velocity = Dimension::LENGTH.over(Dimension::TIME);
-            let unit = Unit::parse(unit).ok().filter(|unit| unit.dimension() == velocity);
-            let usual = unit.map(|unit| unit.out_of_si(Criterion::USUAL.threshold));
-            let unit = self.signals[0].1.clone();
+            let usual = Criterion::usual(unit).map(|usual| usual.threshold);
+            let unit = unit.clone();
             self.options[0] = Some(usual.ok_or(MeasureError::NoThreshold { measure, unit })?);
         }
         Ok(self)
@@ -210,6 +225,20 @@ impl Measure {
     }
 }
 
+/// That a signal is what a measure reads.
+fn is_in(
+    measure: &'static str,
+    signal: &str,
+    unit: &str,
+    wanted: &'static str,
+    dimension: Dimension,
+) -> Result<(), MeasureError> {
+    match Unit::parse(unit) {
+        Ok(parsed) if parsed.dimension() == dimension => Ok(()),
+        _ => Err(MeasureError::Quantity { measure, signal: format!("{signal} in {unit}"), wanted }),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -237,6 +266,11 @@ mod tests {
         let [rising, falling] =
             ["critical_velocity_rising", "critical_velocity_falling"].map(|name| told(name, "m/s"));
         assert_eq!(columns("critical_velocity"), [rising, falling]);
+        assert_eq!(columns("profile:standstill=1e-5")[4], told("profile_5:standstill=1e-5", "m/s"));
+        assert_eq!(
+            columns("friction_loop"),
+            [told("friction_loop_area", "W"), told("friction_loop_work", "J")]
+        );
         assert_eq!(columns("overload"), [told("overload", ""), told("overload_time", "s")]);
     }
 
@@ -253,6 +287,16 @@ mod tests {
             ("amplitude:v_o,lst=2", "amplitude has no option \"lst\"; did you mean \"last\"?"),
             ("amplitude:v_o,last=-2", "\"last\" of amplitude must be a number above 0, not \"-2\""),
             ("critical_velocity:v_i", "critical_velocity reads two signals, the commanded"),
+            (
+                "friction_loop:v_o",
+                "friction_loop reads two signals, a velocity and a force: write friction_loop:v_o,",
+            ),
+            (
+                "friction_loop:x_error,spring_force",
+                "friction_loop reads x_error in m as a velocity, which it is not",
+            ),
+            ("friction_loop:v_o,v_i", "friction_loop reads v_i in m/s as a force, which it is not"),
+            ("profile:standstill=0", "\"standstill\" of profile must be a number above 0"),
             ("critical_velocity:v_i,x_error", "critical_velocity compares v_i in m/s and x_error in m"),
             ("critical_velocity:x_error,x_error", "critical_velocity needs a threshold for signals in m"),
         ];

@@ -1,11 +1,13 @@
 //! How every measure reads a run.
 
-use super::super::critical_velocity::{self as profile, Criterion};
+use super::super::friction_loop::whole_cycles;
 use super::super::oscillation::{Oscillation, oscillation_within};
-use super::super::stick;
 use super::super::voltmeter::{Reading, readings};
 use super::{Cell, Measure};
-use crate::patch::told;
+use crate::instruments::{
+    self, Criterion, CriticalInterval, FrictionLoop, NoCriticalVelocity, ProfileCriterion,
+};
+use crate::patch::{Unit, told};
 use crate::trace::{Trace, Track};
 
 /// This share of the length of a run is rounding.
@@ -52,27 +54,41 @@ impl<'a> Run<'a> {
         readings(self.trace).into_iter().find(|found| found.run == last && found.signal == *name)
     }
 
-    /// What is told of a last part that is longer than the run.
-    fn longer_than_run(&self, last: Option<f64>) -> Option<String> {
-        let end = self.trace.sweeps.last().map_or(0.0, |sweep| sweep.end);
-        let run = end - self.time().first().copied().unwrap_or(0.0);
-        let last = last.filter(|last| *last > run * (1.0 + ROUNDING))?;
-        Some(format!("the last {} s are longer than the run of {} s", told(last), told(run)))
+    /// Index of the first sample of the last so many seconds; where nothing is given, of the last half of the run.
+    fn begin_of_last(&self, last: Option<f64>) -> Result<usize, String> {
+        let time = self.time();
+        let (begin, end) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
+        let run = self.trace.sweeps.last().map_or(0.0, |sweep| sweep.end) - begin;
+        if let Some(last) = last.filter(|last| *last > run * (1.0 + ROUNDING)) {
+            return Err(format!("the last {} s are longer than the run of {} s", told(last), told(run)));
+        }
+        let from = end - last.unwrap_or((end - begin) / 2.0);
+        Ok(time.partition_point(|instant| *instant < from))
     }
 
     /// The oscillation at the end of the run.
     fn oscillation(&self, read: impl Fn(Oscillation) -> f64) -> Cells {
-        let (time, values) = (self.time(), self.values(0));
-        let (begin, end) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
-        if let Some(longer) = self.longer_than_run(self.measure.option(0)) {
-            return vec![Err(longer)];
-        }
-        let from = end - self.measure.option(0).unwrap_or((end - begin) / 2.0);
-        let first = time.partition_point(|instant| *instant < from);
+        let first = match self.begin_of_last(self.measure.option(0)) {
+            Ok(first) => first,
+            Err(longer) => return vec![Err(longer)],
+        };
         let reach = self
             .course()
             .map_or([f64::NEG_INFINITY, f64::INFINITY], |course| [course.least.value, course.most.value]);
-        one(oscillation_within(&time[first..], &values[first..], reach).map(read))
+        one(oscillation_within(&self.time()[first..], &self.values(0)[first..], reach).map(read))
+    }
+
+    /// The loop of its velocity and its force at the end of the run, and how many SI units its area has.
+    fn friction_loop(&self) -> Result<(FrictionLoop, f64), String> {
+        let first = self.begin_of_last(self.measure.option(1))?;
+        let threshold = self.measure.option(0).unwrap_or(Criterion::USUAL.threshold);
+        let (time, velocity, force) = (&self.time()[first..], self.values(0), self.values(1));
+        let (velocity, force) = (&velocity[first..], &force[first..]);
+        let cycles = whole_cycles(time, velocity, threshold).max(1);
+        let found = instruments::friction_loop(time, velocity, force, cycles, threshold);
+        let unit =
+            |signal: usize| Unit::parse(&self.measure.signals[signal].1).map_or(1.0, |unit| unit.factor());
+        found.map(|found| (found, unit(0) * unit(1))).map_err(|error| error.to_string())
     }
 }
 
@@ -108,17 +124,46 @@ pub(super) fn frequency(run: &Run<'_>) -> Cells {
     run.oscillation(|read| read.frequency)
 }
 
-pub(super) fn critical_velocity(run: &Run<'_>) -> Cells {
-    let criterion = Criterion {
+/// When velocities oscillate, as the first two options tell.
+fn criterion(run: &Run<'_>) -> Criterion {
+    Criterion {
         threshold: run.measure.option(0).unwrap_or(Criterion::USUAL.threshold),
         window: run.measure.option(1).unwrap_or(Criterion::USUAL.window),
-    };
-    let found = profile::critical_velocity(run.time(), &run.values(0), &run.values(1), criterion);
+    }
+}
+
+pub(super) fn critical_velocity(run: &Run<'_>) -> Cells {
+    let found = instruments::critical_velocity(run.time(), &run.values(0), &run.values(1), criterion(run));
     vec![number(found.rising), number(found.falling)]
 }
 
+pub(super) fn critical_velocity_range(run: &Run<'_>) -> Cells {
+    let found = instruments::critical_range(run.time(), &run.values(0), &run.values(1), criterion(run));
+    let cells = |interval: Result<CriticalInterval, NoCriticalVelocity>| {
+        let of = |value: fn(CriticalInterval) -> f64| number(interval.map(value));
+        [of(|interval| interval.least), of(|interval| interval.most), of(|interval| interval.unread as f64)]
+    };
+    [cells(found.rising), cells(found.falling)].concat()
+}
+
+pub(super) fn profile(run: &Run<'_>) -> Cells {
+    let oscillation = criterion(run);
+    let standstill = run.measure.option(2).unwrap_or(0.5 * oscillation.threshold);
+    let criterion = ProfileCriterion { oscillation, standstill };
+    match instruments::velocity_profile(run.time(), &run.values(0), &run.values(1), criterion) {
+        Ok(profile) => profile.points.map(|point| number(point.map(|point| point.command))).to_vec(),
+        Err(error) => vec![Err(error.to_string()); 5],
+    }
+}
+
+pub(super) fn friction_loop(run: &Run<'_>) -> Cells {
+    let cells =
+        |(found, si): (FrictionLoop, f64)| [found.area, found.work].map(|value| Ok(Cell::Number(value * si)));
+    run.friction_loop().map_or_else(|error| vec![Err(error); 2], |found| cells(found).to_vec())
+}
+
 pub(super) fn stick_end(run: &Run<'_>) -> Cells {
-    one(stick::stick_end(run.time(), &run.values(0), run.measure.option(0)))
+    one(instruments::stick_end(run.time(), &run.values(0), run.measure.option(0)))
 }
 
 pub(super) fn overload(run: &Run<'_>) -> Cells {

@@ -11,7 +11,7 @@ pub(super) struct Entry {
     pub name: &'static str,
     /// What it reads, in a line.
     pub meaning: &'static str,
-    signals: Signals,
+    pub signals: Signals,
     options: &'static [&'static str],
     /// Whether it reads the samples, of which no two may stand at one instant.
     pub is_sampled: bool,
@@ -36,13 +36,47 @@ pub(super) enum UnitOf {
 
 /// The signals that a measure reads.
 #[derive(Debug)]
-enum Signals {
+pub(super) enum Signals {
     /// None.
     None,
     /// One, which has to be named.
     One,
-    /// These, where no others are named.
-    Usual(&'static [&'static str]),
+    /// A velocity: this one, where no other is named.
+    Velocity(&'static [&'static str; 1]),
+    /// The commanded and the actual velocity, in one unit: these, where no others are named. The first option is a threshold in that unit.
+    Velocities(&'static [&'static str; 2]),
+    /// A velocity and a force, likewise.
+    VelocityAndForce(&'static [&'static str; 2]),
+}
+
+impl Signals {
+    /// Those that are read where no others are named.
+    fn usual(&self) -> &'static [&'static str] {
+        match self {
+            Signals::None | Signals::One => &[],
+            Signals::Velocity(name) => *name,
+            Signals::Velocities(names) | Signals::VelocityAndForce(names) => *names,
+        }
+    }
+
+    /// How many there are.
+    fn count(&self) -> usize {
+        match self {
+            Signals::None => 0,
+            Signals::One | Signals::Velocity(_) => 1,
+            Signals::Velocities(_) | Signals::VelocityAndForce(_) => 2,
+        }
+    }
+
+    /// What they are, in words, and how they are written.
+    fn told(&self) -> (&'static str, &'static str) {
+        match self {
+            Signals::None => ("no signal", ""),
+            Signals::One | Signals::Velocity(_) => ("one signal", ":SIGNAL"),
+            Signals::Velocities(_) => ("two signals, the commanded and the actual velocity", ":v_i,v_o"),
+            Signals::VelocityAndForce(_) => ("two signals, a velocity and a force", ":v_o,spring_force"),
+        }
+    }
 }
 
 const SIGNAL: &[(&str, UnitOf)] = &[("", UnitOf::Signal)];
@@ -106,16 +140,59 @@ pub(super) const TABLE: &[Entry] = &[
         name: "critical_velocity",
         meaning: "the command at which oscillation ends while it rises, and begins while it falls: swings above a \
                   threshold (0.25 mm/s) within a window (0.04 s)",
-        signals: Signals::Usual(&["v_i", "v_o"]),
+        signals: Signals::Velocities(&["v_i", "v_o"]),
         options: &["threshold", "window"],
         is_sampled: true,
         columns: &[("_rising", UnitOf::Signal), ("_falling", UnitOf::Signal)],
         read: read::critical_velocity,
     },
     Entry {
+        name: "critical_velocity_range",
+        meaning: "from where to where each critical velocity moves with half and double of threshold and window, and with \
+                  what a ramp overruns in a cycle; how many of these four readings could not be had",
+        signals: Signals::Velocities(&["v_i", "v_o"]),
+        options: &["threshold", "window"],
+        is_sampled: true,
+        columns: &[
+            ("_rising_least", UnitOf::Signal),
+            ("_rising_most", UnitOf::Signal),
+            ("_rising_unread", UnitOf::Text("1")),
+            ("_falling_least", UnitOf::Signal),
+            ("_falling_most", UnitOf::Signal),
+            ("_falling_unread", UnitOf::Text("1")),
+        ],
+        read: read::critical_velocity_range,
+    },
+    Entry {
+        name: "profile",
+        meaning: "the commands at points 1 to 5 of the velocity profile: it breaks away, oscillation begins, stick-slip \
+                  begins and ends, oscillation ends; a velocity up to standstill (half of the threshold) is none",
+        signals: Signals::Velocities(&["v_i", "v_o"]),
+        options: &["threshold", "window", "standstill"],
+        is_sampled: true,
+        columns: &[
+            ("_1", UnitOf::Signal),
+            ("_2", UnitOf::Signal),
+            ("_3", UnitOf::Signal),
+            ("_4", UnitOf::Signal),
+            ("_5", UnitOf::Signal),
+        ],
+        read: read::profile,
+    },
+    Entry {
+        name: "friction_loop",
+        meaning: "area of the loop of force against velocity (positive clockwise) and work of the force in a cycle, the \
+                  mean of the whole cycles above a threshold (0.25 mm/s) in the last half of the run or its last so many seconds",
+        signals: Signals::VelocityAndForce(&["v_o", "spring_force"]),
+        options: &["threshold", "last"],
+        is_sampled: true,
+        columns: &[("_area", UnitOf::Text("W")), ("_work", UnitOf::Text("J"))],
+        read: read::friction_loop,
+    },
+    Entry {
         name: "stick_end",
         meaning: "when a velocity first passes a threshold (a millionth of its largest value): sliding begins",
-        signals: Signals::Usual(&["v_o"]),
+        signals: Signals::Velocity(&["v_o"]),
         options: &["threshold"],
         is_sampled: true,
         columns: &[("", UnitOf::Text("s"))],
@@ -135,10 +212,12 @@ pub(super) const TABLE: &[Entry] = &[
 impl Entry {
     /// How it is asked for.
     pub fn written(&self) -> String {
-        let signals = match self.signals {
-            Signals::None => String::new(),
+        let signals = match &self.signals {
             Signals::One => "SIGNAL".to_owned(),
-            Signals::Usual(names) => format!("[{}]", names.join(",")),
+            signals => match signals.usual() {
+                [] => String::new(),
+                names => format!("[{}]", names.join(",")),
+            },
         };
         let options = self.options.iter().map(|option| format!("[{option}=NUMBER]"));
         let all: Vec<_> = [signals].into_iter().chain(options).filter(|part| !part.is_empty()).collect();
@@ -148,21 +227,9 @@ impl Entry {
 
     /// Names and units of the signals that it is to read.
     pub fn connected(&self, named: &[&str], known: &[Probe]) -> Result<Vec<(String, String)>, MeasureError> {
-        let (names, wanted, example) = match (&self.signals, named) {
-            (Signals::Usual(usual), []) => (*usual, "", ""),
-            (Signals::Usual([_]), _) => (named, "one signal", ":SIGNAL"),
-            (Signals::Usual(_), _) => {
-                (named, "two signals, the commanded and the actual velocity", ":v_i,v_o")
-            }
-            (Signals::One, _) => (named, "one signal", ":SIGNAL"),
-            (Signals::None, _) => (named, "no signal", ""),
-        };
-        let count = match self.signals {
-            Signals::None => 0,
-            Signals::One => 1,
-            Signals::Usual(usual) => usual.len(),
-        };
-        if names.len() != count {
+        let names = if named.is_empty() { self.signals.usual() } else { named };
+        if names.len() != self.signals.count() {
+            let (wanted, example) = self.signals.told();
             return Err(MeasureError::Signals { measure: self.name, wanted, example });
         }
         names.iter().map(|name| self.find(name, known)).collect()

@@ -1,0 +1,159 @@
+//! `patchcord profile`
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::failure::Failure;
+use super::files::{check_apart, prepare, put, written};
+use super::load::{Loaded, PatchArguments, document};
+use super::profile_report::{self, Read};
+use super::run::watched;
+use super::times::{TimeArguments, refused};
+use super::{say, say_json};
+use patchcord::circuit::Circuit;
+use patchcord::instruments::{
+    Criterion, Drawn, ProfileCriterion, critical_range, parameter_line, profile_picture, velocity_profile,
+};
+use patchcord::patch::suggestion;
+use patchcord::plot::{self, Format, Size};
+use patchcord::solve::RunSettings;
+use patchcord::trace::{Trace, Track};
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    patch: PatchArguments,
+    #[command(flatten)]
+    times: TimeArguments,
+    /// The commanded and the actual velocity
+    #[arg(long, value_name = "COMMAND,VELOCITY", default_value = "v_i,v_o", value_parser = pair)]
+    signals: [String; 2],
+    /// It oscillates while the velocity swings by more than this, peak to peak, in the unit of the signals (0.25 mm/s)
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = above_zero)]
+    threshold: Option<f64>,
+    /// ... within so many seconds (0.04): half a period and more of the slowest oscillation
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = above_zero)]
+    window: Option<f64>,
+    /// A velocity up to this is standstill, in the unit of the signals (half of the threshold)
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = above_zero)]
+    standstill: Option<f64>,
+    /// Draw the profile with its points and sections; SVG or PNG by the name of the file
+    #[arg(long, value_name = "FILE.svg|png")]
+    plot: Option<PathBuf>,
+}
+
+fn pair(text: &str) -> Result<[String; 2], String> {
+    let names: Vec<_> = text.split(',').map(|name| name.trim().to_owned()).collect();
+    let two = <[String; 2]>::try_from(names).ok().filter(|names| names.iter().all(|name| !name.is_empty()));
+    two.ok_or_else(|| {
+        "two names are wanted, the commanded and the actual velocity, such as v_i,v_o".to_owned()
+    })
+}
+
+fn above_zero(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
+    number.ok_or_else(|| "a number above 0 is wanted".to_owned())
+}
+
+pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
+    carry_out(arguments).map_err(|failure| failure.told_as_json(arguments.patch.json))
+}
+
+fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
+    let format = arguments.plot.as_ref().map(|path| Format::from_path(path)).transpose();
+    let format = format.map_err(|error| Failure::usage(error.to_string()))?;
+    let files = || arguments.plot.iter();
+    check_apart(&arguments.patch.patch, files())?;
+    let Loaded { circuit, program } = arguments.patch.load()?;
+    let settings = arguments.settings(&circuit)?;
+    prepare(None, files())?;
+    let trace = watched(&program, &settings)
+        .map_err(|stopped| refused(&stopped.error, &circuit, arguments.times.is_to_blame(&stopped.error)))?;
+    let read = arguments.read(&trace)?;
+    if let Some((path, format)) = arguments.plot.as_ref().zip(format) {
+        let picture = picture(&read, &circuit);
+        let bytes = plot::render(&[picture], format, Size::default());
+        put(path, &bytes.map_err(|error| Failure::data(error.to_string()))?)?;
+    }
+    if arguments.patch.json {
+        let mut more = profile_report::json(&read);
+        more["files"] = files().map(|path| path.display().to_string()).collect();
+        return say_json(&document(&circuit, more));
+    }
+    let head = format!("{}\n{}\n\n", circuit.patch().title, parameter_line(&circuit));
+    say(&(head + &profile_report::told(&read)))?;
+    let told = written(files());
+    say(&if told.is_empty() { told } else { format!("\n{told}") })
+}
+
+impl Arguments {
+    /// The run of the patch, recording both velocities.
+    fn settings(&self, circuit: &Circuit) -> Result<RunSettings, Failure> {
+        let settings = self.times.settings(&self.times.plan(circuit.run_plan()), circuit);
+        let mut settings =
+            settings.map_err(|error| refused(&error, circuit, self.times.is_to_blame(&error)))?;
+        let found = self
+            .signals
+            .iter()
+            .map(|name| circuit.recordable(name).map(str::to_owned).ok_or_else(|| missing(name, circuit)));
+        settings.record = found.collect::<Result<_, _>>()?;
+        settings.sensitivities.clear();
+        let checked = settings.check();
+        checked.map_err(|error| refused(&error, circuit, self.times.is_to_blame(&error)))?;
+        Ok(settings)
+    }
+
+    /// The profile of the last run.
+    fn read(&self, trace: &Trace) -> Result<Read, Failure> {
+        let [command, velocity] = self.signals.each_ref().map(|name| trace.track(name));
+        let both = command.zip(velocity).ok_or_else(|| Failure::data("nothing was recorded"));
+        let (command, velocity) = both?;
+        let criterion = self.criterion(command, velocity)?;
+        let first = trace.sweeps.last().map_or(0, |sweep| sweep.first);
+        let time = &trace.time[first..];
+        let [commands, velocities] =
+            [command, velocity].map(|track| track.values().skip(first).collect::<Vec<_>>());
+        let profile = velocity_profile(time, &commands, &velocities, criterion);
+        let profile = profile.map_err(|error| Failure::data(format!("no velocity profile: {error}")))?;
+        Ok(Read {
+            names: [command.name.clone(), velocity.name.clone()],
+            unit: command.unit.clone(),
+            range: critical_range(time, &commands, &velocities, criterion.oscillation).rising.ok(),
+            values: [commands, velocities],
+            criterion,
+            profile,
+        })
+    }
+
+    fn criterion(&self, command: &Track, velocity: &Track) -> Result<ProfileCriterion, Failure> {
+        if command.unit != velocity.unit {
+            let told = |track: &Track| format!("{} in {}", track.name, track.unit);
+            let message = format!("{} and {} are not in the same unit", told(command), told(velocity));
+            return Err(Failure::usage(message));
+        }
+        let usual = Criterion::usual(&command.unit);
+        let threshold = self.threshold.or(usual.map(|usual| usual.threshold)).ok_or_else(|| {
+            Failure::usage(format!(
+                "{} is in {}, no velocity: give --threshold VALUE",
+                command.name, command.unit
+            ))
+        })?;
+        let window = self.window.unwrap_or(Criterion::USUAL.window);
+        let standstill = self.standstill.unwrap_or(0.5 * threshold);
+        Ok(ProfileCriterion { oscillation: Criterion { threshold, window }, standstill })
+    }
+}
+
+fn picture(read: &Read, circuit: &Circuit) -> plot::Picture {
+    let drawn =
+        |which: usize| Drawn { name: &read.names[which], unit: &read.unit, values: &read.values[which] };
+    let title = format!("{}: velocity profile", circuit.patch().title);
+    profile_picture(title, drawn(0), drawn(1), &read.profile, Some(parameter_line(circuit)))
+}
+
+fn missing(name: &str, circuit: &Circuit) -> Failure {
+    let known: Vec<&str> = circuit.signals().iter().map(|point| point.name.as_str()).collect();
+    let hint = suggestion(name, &known).unwrap_or_else(|| "it has none".to_owned());
+    Failure::usage(format!("the patch has no signal {name}: give --signals COMMAND,VELOCITY; {hint}"))
+}

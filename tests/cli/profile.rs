@@ -1,0 +1,137 @@
+//! `patchcord profile`.
+
+use std::fs;
+
+use serde_json::Value;
+
+use super::{FIG_8_16, code, errors, json, out, patchcord, path};
+
+const PAGE: &str = "docs/profile.md";
+/// Solid friction that falls slowly: oscillation without standstill.
+const SLOW_FALL: [&str; 8] =
+    ["profile", FIG_8_16, "--set", "VcL=12.7e-3", "--set", "Tc=0.009", "--set", "v_rate=2.4e-3"];
+
+/// What a command prints of points and sections.
+fn printed(arguments: &[&str]) -> String {
+    let told = out(&patchcord(arguments));
+    told.split_once("\n\n").unwrap().1.to_owned()
+}
+
+#[test]
+fn the_page_shows_what_the_command_prints() {
+    let page = fs::read_to_string(PAGE).unwrap();
+    let mut fresh = page.clone();
+    for (index, command) in [&["profile", FIG_8_16][..], &SLOW_FALL].into_iter().enumerate() {
+        assert!(page.contains(&format!("    patchcord {}", command.join(" "))), "{command:?}");
+        let block = fresh.split("```text\n").nth(index + 1).and_then(|rest| rest.split("```").next());
+        let block = format!("```text\n{}```", block.unwrap());
+        fresh = fresh.replacen(&block, &format!("```text\n{}```", printed(command)), 1);
+    }
+    if std::env::var_os("PATCHCORD_BLESS").is_some() {
+        fs::write(PAGE, &fresh).unwrap();
+    }
+    let page = fs::read_to_string(PAGE).unwrap();
+    assert!(page == fresh, "{PAGE} is stale: PATCHCORD_BLESS=1 cargo test --test cli rewrites it");
+}
+
+#[test]
+fn points_and_sections_are_drawn_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let (svg, png) = (path(&folder, "profile.svg"), path(&folder, "profile.png"));
+    let done = patchcord(&["profile", FIG_8_16, "--plot", &svg]);
+    assert_eq!((code(&done), errors(&done).as_str()), (0, ""));
+    assert!(out(&done).ends_with(&format!("\nwrote {svg}\n")), "{}", out(&done));
+    let picture = fs::read_to_string(&svg).unwrap();
+    for part in ["velocity profile", "1, 2, 3", "C stick-slip", "D dies away", "v_o, mm/s", "VcL 2.54 mm/s"] {
+        assert!(picture.contains(part), "{part}");
+    }
+    assert_eq!(code(&patchcord(&["profile", FIG_8_16, "--plot", &png])), 0);
+    assert!(fs::read(&png).unwrap().starts_with(b"\x89PNG"));
+}
+
+fn point(document: &Value, number: usize) -> &Value {
+    &document["profile"]["points"][number - 1]
+}
+
+#[test]
+fn a_document_tells_what_is_there_and_why_the_rest_is_not() {
+    let document = json(&patchcord(&["profile", FIG_8_16, "--json"]));
+    let profile = &document["profile"];
+    assert_eq!((&profile["unit"], &profile["standstill"]), (&"m/s".into(), &0.125e-3.into()));
+    assert_eq!(point(&document, 3)["coincides"], 2);
+    let upper = point(&document, 5)["command"].as_f64().unwrap();
+    assert!((upper - 4.54e-3).abs() < 0.02e-3, "{upper}");
+    let range = &profile["critical_velocity"];
+    assert_eq!(range["value"].as_f64(), Some(upper));
+    assert!(range["least"].as_f64().unwrap() < upper && upper < range["most"].as_f64().unwrap());
+    assert_eq!(profile["sections"][0]["why"], "points 1 and 2 coincide");
+    let frequency = profile["sections"][3]["frequency"][1].as_f64().unwrap();
+    assert!((frequency - 51.3).abs() < 0.5, "{frequency}");
+
+    let document = json(&patchcord(&[&SLOW_FALL[..], &["--json"]].concat()));
+    let why = "no three cycles in a row come down to standstill";
+    assert_eq!((&point(&document, 3)["there"], &point(&document, 3)["why"]), (&false.into(), &why.into()));
+    assert_eq!(document["profile"]["sections"][1]["there"], true);
+
+    let document = json(&patchcord(&["profile", FIG_8_16, "--for", "2", "--json"]));
+    assert_eq!(point(&document, 5)["why"], "it goes on up to the end of the ramp");
+    assert!(document["profile"]["critical_velocity"].is_null());
+}
+
+#[test]
+fn an_interval_tells_what_it_had_to_leave_out() {
+    // The command turns before what is left has rested for four windows below half the threshold, or for four double windows.
+    let told = out(&patchcord(&["profile", FIG_8_16, "--set", "v_turn=4", "--for", "8"]));
+    assert!(told.contains(" mm/s, 2 of 4 other criteria not to be read here\n"), "{told}");
+}
+
+#[test]
+fn other_criteria_find_other_points() {
+    let at = |number: usize, more: &[&str]| {
+        let document = json(&patchcord(&[&["profile", FIG_8_16, "--json"], more].concat()));
+        point(&document, number)["command"].as_f64().unwrap()
+    };
+    assert!(at(5, &["--threshold", "1e-3"]) < at(5, &[]));
+    assert!(at(4, &["--standstill", "1e-3"]) > at(4, &[]));
+}
+
+#[test]
+fn what_is_no_profile_is_refused_with_what_helps() {
+    let refused = |arguments: &[&str], exit: i32, told: &str| {
+        let done = patchcord(&[&["profile"], arguments].concat());
+        assert!(errors(&done).contains(told), "{arguments:?}: {}", errors(&done));
+        assert_eq!((code(&done), out(&done).as_str()), (exit, ""), "{arguments:?}");
+    };
+    refused(
+        &["patches/lessons/stick-slip.json"],
+        2,
+        "the patch has no signal v_i: give --signals COMMAND,VELOCITY",
+    );
+    refused(&[FIG_8_16, "--signals", "v_i"], 2, "two names are wanted");
+    refused(
+        &[FIG_8_16, "--signals", "v_i,v_p"],
+        2,
+        "no signal v_p: give --signals COMMAND,VELOCITY; did you mean",
+    );
+    refused(
+        &[FIG_8_16, "--signals", "v_i,x_error"],
+        2,
+        "v_i in m/s and x_error in m are not in the same unit",
+    );
+    refused(&[FIG_8_16, "--signals", "x_error,x_error"], 2, "x_error is in m, no velocity: give --threshold");
+    for option in ["--threshold", "--window", "--standstill"] {
+        for value in ["0", "-1", "nan", "inf", "wide"] {
+            refused(&[FIG_8_16, option, value], 2, "a number above 0 is wanted");
+        }
+    }
+    refused(&[FIG_8_16, "--set", "v_rate=0"], 1, "no velocity profile: the command does not rise steadily");
+    refused(&[FIG_8_16, "--set", "v_rate=0.02"], 1, "no velocity profile: the command alone changes by");
+    refused(&[FIG_8_16, "--window", "9"], 1, "the window of 9 s is longer than the run");
+    refused(&[FIG_8_16, "--every", "0.01"], 1, "4 samples stand in a window: at least 8 are needed");
+    refused(&[FIG_8_16, "--every", "0.005", "--window", "0.04"], 1, "samples in the shortest cycle");
+    refused(&[FIG_8_16, "--plot", "profile.txt"], 2, "profile.txt");
+    refused(&[FIG_8_16, "--plot", FIG_8_16], 2, "");
+    refused(&["patches/none.json"], 1, "none.json");
+    let document = json(&patchcord(&["profile", FIG_8_16, "--set", "v_rate=0", "--json"]));
+    assert_eq!(document["ok"], false);
+}
