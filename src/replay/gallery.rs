@@ -58,7 +58,7 @@ fn contents(exhibits: &[Exhibit<'_>]) -> String {
         let link = |exhibit: &Exhibit<'_>| {
             let (id, number) = (exhibit.figure.id, exhibit.figure.number());
             let title = escaped(exhibit.figure.title);
-            format!("<a href=\"#{id}\" title=\"{title}\">{}</a>", &number["Fig ".len()..])
+            format!("<a href=\"#{id}\" title=\"{title}\">{}</a>", number.trim_start_matches("Fig "))
         };
         let links: Vec<_> = exhibits.iter().map(link).collect();
         format!("<p><b>Chapter {}</b> {}</p>\n", exhibits[0].figure.chapter(), links.join(" "))

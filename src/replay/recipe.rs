@@ -16,6 +16,8 @@ pub(super) type Problem = Box<dyn std::error::Error + Send + Sync>;
 
 /// The shipped circuits that figures and checks begin from: name and document.
 const CIRCUITS: &[(&str, &str)] = &[
+    ("nakashima", include_str!("../../patches/others/nakashima.json")),
+    ("singh", include_str!("../../patches/others/singh.json")),
     ("fig-4-07", include_str!("../../patches/thesis/fig-4-07.json")),
     ("fig-8-04", include_str!("../../patches/thesis/fig-8-04.json")),
     ("fig-8-05", include_str!("../../patches/thesis/fig-8-05.json")),
@@ -89,7 +91,8 @@ impl Recipe {
         self
     }
 
-    fn edit(mut self, path: &str, value: impl Into<Value>) -> Recipe {
+    /// Anything else, at the end of a path of keys.
+    pub fn edit(mut self, path: &str, value: impl Into<Value>) -> Recipe {
         self.edits.push(Edit::new(path, value));
         self
     }

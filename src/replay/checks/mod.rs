@@ -7,6 +7,7 @@ mod falling;
 mod formula;
 mod history;
 mod limits;
+mod others;
 mod profiles;
 mod recordings;
 mod scaling;
@@ -35,6 +36,7 @@ const TABLES: &[&[Check]] = &[
     formula::CHECKS,
     history::CHECKS,
     limits::CHECKS,
+    others::CHECKS,
     profiles::CHECKS,
     recordings::CHECKS,
     scaling::CHECKS,

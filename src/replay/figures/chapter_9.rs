@@ -1,5 +1,6 @@
 //! Chapter 9: what analysis makes of the simulation, up to Routh and Hurwitz (9.2 ... 9.4 (i)).
 
+use super::chapter_9_simulated::slopes_of_the_circuit;
 use super::graph::{by_ratio, curve, evenly};
 use super::sketch::{Place, Sketch};
 use super::{Drawn, Figure, Graph};
@@ -82,13 +83,13 @@ fn routh_hurwitz(memory: f64) -> Result<f64, SlidewayError> {
     Ok(DrivenTable::simulated(memory).critical_slope()? / N_S_PER_MM)
 }
 
-fn slope_by_memory(figure: &Figure) -> Result<Drawn, Problem> {
+fn slope_by_memory(_: &Figure) -> Result<Drawn, Problem> {
     let memories = by_ratio(MEMORIES.0, MEMORIES.1, 61);
     let in_ms = |points: Vec<(f64, f64)>| points.into_iter().map(|(x, y)| (x / MS, y)).collect::<Vec<_>>();
     let theory = curve(memories.clone(), routh_hurwitz)?;
     let printed = curve(by_ratio(MEMORIES.0, MEMORIES.1, 9), |memory| Ok(PRINTED_BY_MEMORY.at(memory)))?;
     let simulated = curve(memories, |memory| Ok(SLOPE_BY_MEMORY.at(memory)))?;
-    let graph = Graph::new(&figure.heading(), ("time constant Tc", "ms"), ("slope Cn", "N s/mm"))
+    let graph = Graph::new("(a) laws", ("time constant Tc", "ms"), ("slope Cn", "N s/mm"))
         .logarithmic(true, true)
         .across(5.0, 30.0)
         .up(20.0, 500.0)
@@ -104,7 +105,8 @@ fn slope_by_memory(figure: &Figure) -> Result<Drawn, Problem> {
         fitted.exponent, short?, long?
     );
     let settings = "M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm";
-    Ok(Drawn::of_theory(vec![graph.picture()], settings, reading))
+    let (circuit, run) = slopes_of_the_circuit()?;
+    Ok(Drawn::of_theory(vec![graph.picture(), circuit], settings, format!("{reading}; {run}")))
 }
 
 fn boundary(figure: &Figure) -> Result<Drawn, Problem> {

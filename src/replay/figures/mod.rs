@@ -16,6 +16,7 @@ mod chapter_8_recordings;
 mod chapter_9;
 mod chapter_9_describing;
 mod chapter_9_limit_cycles;
+mod chapter_9_simulated;
 mod graph;
 mod profiles;
 mod sketch;
@@ -89,12 +90,13 @@ const TABLES: &[&[Figure]] = &[
     chapter_9::FIGURES,
     chapter_9_describing::FIGURES,
     chapter_9_limit_cycles::FIGURES,
+    chapter_9_simulated::FIGURES,
 ];
 
 /// All figures, in the order of the study.
 pub fn figures() -> impl Iterator<Item = &'static Figure> {
     let mut figures: Vec<_> = TABLES.iter().copied().flatten().collect();
-    figures.sort_by_key(|figure| figure.id);
+    figures.sort_by_key(|figure| (figure.chapter(), figure.id));
     figures.into_iter()
 }
 
@@ -112,10 +114,14 @@ fn titled(picture: Picture, title: &str) -> Picture {
 const SMALLER: Size = Size { width: 900, height: 440 };
 
 impl Figure {
-    /// Its number as the text prints it, "Fig 8.24".
+    /// Its number as the text prints it, "Fig 8.24" or "T9-2".
     pub fn number(&self) -> String {
-        let numbers = self.id.split('-').skip(1).map(|number| number.trim_start_matches('0'));
-        format!("Fig {}", numbers.collect::<Vec<_>>().join("."))
+        let numbers: Vec<_> =
+            self.id.split('-').skip(1).map(|number| number.trim_start_matches('0')).collect();
+        match self.id.starts_with("table") {
+            true => format!("T{}", numbers.join("-")),
+            false => format!("Fig {}", numbers.join(".")),
+        }
     }
 
     /// The chapter that it stands in.
@@ -218,11 +224,10 @@ mod tests {
     fn figures_have_names_of_their_own_in_the_order_of_the_study() {
         let mut seen = HashSet::new();
         assert!(figures().all(|figure| seen.insert(figure.id)));
-        let number = |figure: &Figure| {
-            let words = figure.id.split('-').skip(1).map(|word| word.parse::<u32>().unwrap());
-            words.collect::<Vec<_>>()
-        };
-        assert!(figures().map(number).is_sorted());
+        assert!(figures().map(|figure| (figure.chapter(), figure.id)).is_sorted());
+        let told: Vec<_> =
+            figures().filter(|figure| figure.id.ends_with("9-02")).map(Figure::number).collect();
+        assert_eq!(told, ["Fig 9.2"]);
     }
 
     /// Chapter 8 is made of runs, and drawn by the tests of the command.

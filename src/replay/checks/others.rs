@@ -1,0 +1,107 @@
+//! What the circuits of others decide: Nakashima's, point by point beside the final circuit, and Singh's (2.5, 8.3).
+
+use super::super::finding::Finding;
+use super::super::given::Given;
+use super::super::recipe::Recipe;
+use super::{Check, CheckError};
+use crate::circuit::Circuit;
+use crate::machines::Part;
+use crate::patch::{Dimension, Unit};
+use crate::program::Program;
+use crate::slideway::units::MM_PER_S;
+
+pub(super) const CHECKS: &[Check] = &[
+    Check { name: "relays-of-others", run: relays_of_others },
+    Check { name: "several-multipliers", run: several_multipliers },
+    Check { name: "twice-as-many-amplifiers", run: twice_as_many_amplifiers },
+    Check { name: "stands-under-a-negative-command", run: stands_under_a_negative_command },
+    Check { name: "has-no-drive", run: has_no_drive },
+    Check { name: "has-no-position", run: has_no_position },
+    Check { name: "reads-a-coefficient", run: reads_a_coefficient },
+    Check { name: "no-oscillation-lasts", run: no_oscillation_lasts },
+];
+
+fn circuit(name: &'static str) -> Result<Circuit, CheckError> {
+    Ok(Recipe::of(name).circuit(name, "")?)
+}
+
+fn count(circuit: &Circuit, part: Part) -> usize {
+    circuit.parts().iter().find(|(taken, _)| *taken == part).map_or(0, |(_, count)| *count)
+}
+
+/// How many relays Nakashima's circuit takes.
+fn relays_of_others(_: &Given) -> Result<Finding, CheckError> {
+    Ok(Finding::Number(count(&circuit("nakashima")?, Part::Relay) as f64))
+}
+
+/// Whether Nakashima's circuit takes several multipliers where the final one takes one.
+fn several_multipliers(_: &Given) -> Result<Finding, CheckError> {
+    let (other, own) =
+        (count(&circuit("nakashima")?, Part::Multiplier), count(&circuit("fig-8-16")?, Part::Multiplier));
+    Ok(Finding::truth(other > 1 && own == 1, format!("{other} against {own}")))
+}
+
+/// Whether Nakashima's circuit takes at least twice as many summing and integrating amplifiers as the final one.
+fn twice_as_many_amplifiers(_: &Given) -> Result<Finding, CheckError> {
+    let amplifiers = |circuit: &Circuit| count(circuit, Part::Summer) + count(circuit, Part::Integrator);
+    let (other, own) = (amplifiers(&circuit("nakashima")?), amplifiers(&circuit("fig-8-16")?));
+    Ok(Finding::truth(other >= 2 * own, format!("{other} against {own}")))
+}
+
+/// Whether Nakashima's table never moves where the set velocity is negative.
+fn stands_under_a_negative_command(_: &Given) -> Result<Finding, CheckError> {
+    let run =
+        Recipe::of("nakashima").edit("elements/PV/in", "-100").recording(&["v_o"]).run("negative", "")?;
+    let furthest = run.values("v_o")?.into_iter().fold(0.0_f64, |most, velocity| most.max(velocity.abs()));
+    Ok(Finding::truth(furthest < 1e-9, format!("{:.1e} mm/s at most", furthest / MM_PER_S)))
+}
+
+/// Whether nothing comes into Nakashima's circuit from outside, such as a ramp.
+fn has_no_drive(_: &Given) -> Result<Finding, CheckError> {
+    let drives = circuit("nakashima")?.patch().drives.len();
+    Ok(Finding::truth(drives == 0, format!("{drives} drives; the set velocity is a pot")))
+}
+
+/// The units of a circuit's signals.
+fn units(name: &'static str) -> Result<Vec<Unit>, CheckError> {
+    let program = Program::new(&circuit(name)?).map_err(|report| CheckError::Run(report.to_string()))?;
+    let unit = |text: &str| Unit::parse(text).map_err(|error| CheckError::Run(error.to_string()));
+    program.signals().iter().map(|signal| unit(&signal.unit)).collect()
+}
+
+/// Whether no signal of Nakashima's circuit is a length, where the final circuit has one.
+fn has_no_position(_: &Given) -> Result<Finding, CheckError> {
+    let lengths = |name| -> Result<usize, CheckError> {
+        Ok(units(name)?.iter().filter(|unit| unit.dimension() == Dimension::LENGTH).count())
+    };
+    let (other, own) = (lengths("nakashima")?, lengths("fig-8-16")?);
+    Ok(Finding::truth(other == 0 && own > 0, format!("{other} signals in metres against {own}")))
+}
+
+/// Whether the first picture of Nakashima's circuit is of the total coefficient of friction.
+fn reads_a_coefficient(_: &Given) -> Result<Finding, CheckError> {
+    let circuit = circuit("nakashima")?;
+    let shown = circuit.patch().pictures.first().and_then(|picture| picture.y.first());
+    let shown = shown.map(|name| name.value.clone()).unwrap_or_default();
+    Ok(Finding::truth(shown == "mu", format!("its first picture is of {shown}")))
+}
+
+/// Whether no oscillation of Singh's circuit keeps its size: below n = f all die away, above all grow.
+fn no_oscillation_lasts(given: &Given) -> Result<Finding, CheckError> {
+    let mut told = Vec::new();
+    let mut lasts = false;
+    for share in given.numbers("shares")? {
+        let recipe = Recipe::of("singh").set("n", share * 10.7e3).lasting(0.6).recording(&["v_i", "v_o"]);
+        let run = recipe.run("singh", "")?;
+        let swing: Vec<f64> = run
+            .points(("v_i", MM_PER_S), ("v_o", MM_PER_S))?
+            .iter()
+            .map(|(v_i, v_o)| (v_o - v_i).abs())
+            .collect();
+        let most = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+        let change = most(&swing[2 * swing.len() / 3..]) / most(&swing[..swing.len() / 3]);
+        lasts |= (0.95..1.05).contains(&change);
+        told.push(format!("x {change:.2} at n = {share} f"));
+    }
+    Ok(Finding::truth(!lasts, format!("swings in the last third: {}", told.join(", "))))
+}
