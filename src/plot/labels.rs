@@ -53,7 +53,7 @@ pub(super) fn draw(
 
 /// How far from its point a label stands: clear of a dot.
 fn clearance(channel: &Channel) -> f64 {
-    if channel.dots { AWAY + DOT / 2.0 } else { AWAY }
+    if channel.dots { AWAY + DOT } else { AWAY }
 }
 
 /// Points of the line that ends at a point, from there backward; a dot stands alone.

@@ -8,8 +8,8 @@ use super::{Channel, Picture, PlotError};
 /// Thickness of a trace.
 const WIDTH: f64 = 1.6;
 
-/// Across a dot.
-pub(super) const DOT: f64 = 7.0;
+/// Radius of a dot: a line of one point is a disc as wide as its thickness to either side.
+pub(super) const DOT: f64 = 4.0;
 
 /// Thickness of the sample of a trace in the legend.
 pub(super) const SAMPLE_WIDTH: f64 = 2.4;

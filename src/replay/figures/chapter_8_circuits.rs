@@ -216,7 +216,7 @@ fn three_biases(figure: &Figure) -> Result<Drawn, Problem> {
 fn lag(figure: &Figure) -> Result<Drawn, Problem> {
     let run = figure.run(&Recipe::of("fig-8-15"), "")?;
     let swing = |signal: &str| {
-        Ok::<_, Problem>(run.measure(&format!("amplitude:{signal},last=0.15"))?[0].unwrap_or_default())
+        Ok::<_, Problem>(run.measure(&format!("amplitude:{signal},last=0.2"))?[0].unwrap_or_default())
     };
     let reading = format!("{:.2} V come out as {:.2} V", swing("in")?, swing("out")?);
     Drawn::of_run(&run, reading)
