@@ -1,6 +1,7 @@
 //! Chapters 2 and 4: velocity profiles, as chapter 4 explains them.
 
-use super::{Drawn, Figure, Recipe, titled};
+use super::{Drawn, Figure, Recipe, titled, told};
+use crate::instruments::{self, Criterion, ProfileCriterion, profile_picture, velocity_profile};
 use crate::replay::recipe::Problem;
 
 /// The figures, in their order.
@@ -18,6 +19,13 @@ pub(super) const FIGURES: &[Figure] = &[
         title: "velocity profiles of one table on three kinds of friction",
         claims: &["4-021", "4-022"],
         draw: three_kinds,
+    },
+    Figure {
+        id: "fig-4-08",
+        place: "4.5",
+        title: "a velocity profile explained: points 1 to 5, sections A to D",
+        claims: &["4-023", "4-025", "4-026", "4-027"],
+        draw: explained,
     },
 ];
 
@@ -47,4 +55,22 @@ fn three_kinds(figure: &Figure) -> Result<Drawn, Problem> {
         rising("coulomb.v_o")?
     );
     Drawn::of_runs(&[&run], pictures, run.settings(), reading)
+}
+
+fn explained(figure: &Figure) -> Result<Drawn, Problem> {
+    let run = figure.run(&Recipe::of("fig-8-16").set("VcL", 5.08e-3).picture("", "v_i", &["v_o"]), "")?;
+    let [command, velocity] = [run.values("v_i")?, run.values("v_o")?];
+    let oscillation = Criterion { threshold: 0.25e-3, window: 0.04 };
+    let criterion = ProfileCriterion { oscillation, standstill: 0.5 * oscillation.threshold };
+    let profile = velocity_profile(&run.trace.time, &command, &velocity, criterion)?;
+    let signal = |name, values| instruments::Drawn { name, unit: "m/s", values };
+    let (along, up) = (signal("v_i", &command[..]), signal("v_o", &velocity[..]));
+    let picture = profile_picture(figure.heading(), along, up, &profile, Some(run.settings()));
+    let names =
+        ["it breaks away", "oscillation begins", "stick-slip begins", "stick-slip ends", "oscillation ends"];
+    let points = profile.points.iter().zip(names).enumerate().filter_map(|(index, (point, name))| {
+        Some(format!("{} {name} at {}", index + 1, told(point.ok()?.command, "m/s")))
+    });
+    let reading = points.collect::<Vec<_>>().join(", ");
+    Drawn::of_runs(&[&run], vec![picture], run.settings(), reading)
 }
