@@ -28,8 +28,6 @@ const CIRCUITS: &[(&str, &str)] = &[
     ("fig-8-14", include_str!("../../patches/thesis/fig-8-14.json")),
     ("fig-8-15", include_str!("../../patches/thesis/fig-8-15.json")),
     ("fig-8-16", include_str!("../../patches/thesis/fig-8-16.json")),
-    ("fig-8-16-both", include_str!("../../patches/thesis/fig-8-16-both.json")),
-    ("fig-8-16-coulomb", include_str!("../../patches/thesis/fig-8-16-coulomb.json")),
     ("fig-8-16-lag-last", include_str!("../../patches/thesis/fig-8-16-lag-last.json")),
     ("fig-8-17", include_str!("../../patches/thesis/fig-8-17.json")),
 ];

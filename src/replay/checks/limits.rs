@@ -7,6 +7,7 @@ use super::super::recipe::{Recipe, number};
 use super::{Check, CheckError};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::power_law::PowerLaw;
+use crate::slideway::stability::DrivenTable;
 use crate::slideway::units::{N_PER_MM, N_S_PER_MM};
 
 pub(super) const CHECKS: &[Check] = &[
@@ -18,14 +19,9 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "tops-fall", run: tops_fall },
 ];
 
-/// Exponent of Cn against Tc, from ramps at a rate, at the top of each time constant's curve.
-fn slope_exponent(given: &Given) -> Result<Finding, CheckError> {
-    let rate = given.number_or("rate", RATE)?;
-    let (_, law) = if rate == RATE {
-        boundary::slopes_at_tops(boundary::sweep()?)?
-    } else {
-        boundary::slopes_at_rate(rate)?
-    };
+/// Exponent of Cn against Tc, from ramps, at the top of each time constant's curve.
+fn slope_exponent(_: &Given) -> Result<Finding, CheckError> {
+    let (_, law) = boundary::slopes_at_tops(boundary::sweep()?)?;
     Ok(Finding::Number(law.exponent))
 }
 
@@ -39,9 +35,13 @@ fn slope_where_it_ends(given: &Given) -> Result<Finding, CheckError> {
         .ok_or_else(|| CheckError::Run(format!("no ramp was made with Tc = {memory} s")))
 }
 
-/// Cn in N s/mm on the boundary of small disturbances of steady sliding.
+/// Whether small disturbances of steady sliding stop growing at the slope of Routh-Hurwitz, to 2 %.
 fn slope_by_disturbance(given: &Given) -> Result<Finding, CheckError> {
-    Ok(Finding::Number(disturbed_slope(given.number("Tc")?, given.number("VcL")?)?))
+    let memory = given.number("Tc")?;
+    let theory = DrivenTable::simulated(memory).critical_slope()? / N_S_PER_MM;
+    let run = disturbed_slope(memory, given.number("VcL")?)?;
+    let holds = (run / theory - 1.0).abs() <= 0.02;
+    Ok(Finding::truth(holds, format!("{run:.1} N s/mm by the circuit, {theory:.1} by Routh-Hurwitz")))
 }
 
 fn disturbed_slope(memory: f64, limit: f64) -> Result<f64, CheckError> {

@@ -130,8 +130,8 @@ fn by_stiffness(figure: &Figure) -> Result<Drawn, Problem> {
         .dots("simulated", simulated.clone())
         .line("Routh-Hurwitz", theory.collect())
         .line("the study's Cn = 16 K^0.077", law.collect());
-    let told: Vec<_> = simulated.iter().map(|(k, v)| format!("{v:.1} at {k:.0}")).collect();
-    let reading = format!("it falls as the drive gets stiffer: {} mm/s at kN/mm", told.join(", "));
+    let told: Vec<_> = simulated.iter().map(|(k, v)| format!("{v:.1} mm/s at {k} kN/mm")).collect();
+    let reading = format!("it falls as the drive gets stiffer: {}", told.join(", "));
     let run = figure.run(&recipe, "")?;
     Drawn::of_runs(&[&run], vec![graph.picture()], run.settings(), reading)
 }

@@ -60,7 +60,7 @@ fn three_kinds(figure: &Figure) -> Result<Drawn, Problem> {
 fn explained(figure: &Figure) -> Result<Drawn, Problem> {
     let run = figure.run(&Recipe::of("fig-8-16").set("VcL", 5.08e-3).picture("", "v_i", &["v_o"]), "")?;
     let [command, velocity] = [run.values("v_i")?, run.values("v_o")?];
-    let oscillation = Criterion { threshold: 0.25e-3, window: 0.04 };
+    let oscillation = Criterion::USUAL;
     let criterion = ProfileCriterion { oscillation, standstill: 0.5 * oscillation.threshold };
     let profile = velocity_profile(&run.trace.time, &command, &velocity, criterion)?;
     let signal = |name, values| instruments::Drawn { name, unit: "m/s", values };
