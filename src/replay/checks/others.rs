@@ -48,12 +48,16 @@ fn twice_as_many_amplifiers(_: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::truth(other >= 2 * own, format!("{other} against {own}")))
 }
 
-/// Whether Nakashima's table never moves where the set velocity is negative.
+/// Whether Nakashima's table never moves where the set velocity is negative, and does where it is positive.
 fn stands_under_a_negative_command(_: &Given) -> Result<Finding, CheckError> {
-    let run =
-        Recipe::of("nakashima").edit("elements/PV/in", "-100").recording(&["v_o"]).run("negative", "")?;
-    let furthest = run.values("v_o")?.into_iter().fold(0.0_f64, |most, velocity| most.max(velocity.abs()));
-    Ok(Finding::truth(furthest < 1e-9, format!("{:.1e} mm/s at most", furthest / MM_PER_S)))
+    let furthest = |reference: &str| -> Result<f64, CheckError> {
+        let run = Recipe::of("nakashima").edit("elements/PV/in", reference).recording(&["v_o"]);
+        let velocity = run.run("direction", "")?.values("v_o")?;
+        Ok(velocity.into_iter().fold(0.0_f64, |most, velocity| most.max(velocity.abs())) / MM_PER_S)
+    };
+    let (forward, backward) = (furthest("+100")?, furthest("-100")?);
+    let found = format!("{backward:.1e} mm/s at most, where it reaches {forward:.1} mm/s forward");
+    Ok(Finding::truth(backward < 1e-6 && forward > 1.0, found))
 }
 
 /// Whether nothing comes into Nakashima's circuit from outside, such as a ramp.
@@ -100,7 +104,8 @@ fn no_oscillation_lasts(given: &Given) -> Result<Finding, CheckError> {
             .collect();
         let most = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
         let change = most(&swing[2 * swing.len() / 3..]) / most(&swing[..swing.len() / 3]);
-        lasts |= (0.95..1.05).contains(&change);
+        let dies_or_grows = if share < 1.0 { change < 0.95 } else { change > 1.05 };
+        lasts |= !dies_or_grows;
         told.push(format!("x {change:.2} at n = {share} f"));
     }
     Ok(Finding::truth(!lasts, format!("swings in the last third: {}", told.join(", "))))

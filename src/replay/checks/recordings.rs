@@ -8,6 +8,7 @@ use super::super::given::Given;
 use super::super::recipe::{Recipe, Replayed};
 use super::profiles::recipe;
 use super::{Check, CheckError};
+use crate::instruments::Criterion;
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::units::MM_PER_S;
 
@@ -22,6 +23,9 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "loops-shrink", run: loops_shrink },
     Check { name: "follows-linearly", run: follows_linearly },
 ];
+
+/// A swing of velocity above this, peak to peak in mm/s, is oscillation.
+const OSCILLATES: f64 = 1e3 * Criterion::USUAL.threshold;
 
 /// A run at a steady command, four seconds long.
 fn steady(recipe: Recipe, command: f64) -> Result<Replayed, CheckError> {
@@ -79,15 +83,18 @@ fn frequency_rises(given: &Given) -> Result<Finding, CheckError> {
 /// Whether it still oscillates, by more than 0.25 mm/s, in the fourth second.
 fn keeps_oscillating(given: &Given) -> Result<Finding, CheckError> {
     let (least, most) = range(&steady(recipe(given)?, given.number("at")?)?)?;
-    Ok(Finding::truth(most - least > 0.25, format!("{least:.2} ... {most:.2} mm/s")))
+    Ok(Finding::truth(most - least > OSCILLATES, format!("{least:.2} ... {most:.2} mm/s")))
 }
 
-/// Whether it comes to rest in every cycle, to 1 % of the command, as stated.
+/// Whether it oscillates and comes to rest in every cycle, to 1 % of the command, or never does, as stated.
 fn comes_to_rest(given: &Given) -> Result<Finding, CheckError> {
     let (rests, command) = (given.word("it", &[("rests", true), ("slides", false)])?, given.number("at")?);
     let (least, most) = range(&steady(recipe(given)?, command)?)?;
     let comes_to_rest = least <= 0.01 * command / MM_PER_S;
-    Ok(Finding::truth(comes_to_rest == rests, format!("{least:.2} ... {most:.2} mm/s")))
+    Ok(Finding::truth(
+        most - least > OSCILLATES && comes_to_rest == rests,
+        format!("{least:.2} ... {most:.2} mm/s"),
+    ))
 }
 
 /// Whether it never moves against the command, by 1 % of it.
@@ -97,13 +104,16 @@ fn never_turns_back(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::truth(least > -0.01 * command / MM_PER_S, format!("{least:.2} ... {most:.2} mm/s")))
 }
 
-/// Whether velocity swings as far above the command as below it, to 5 % of the swing, as stated.
+/// Whether velocity oscillates, and swings as far above the command as below it, to 5 % of the swing, as stated.
 fn even_halves(given: &Given) -> Result<Finding, CheckError> {
     let (even, command) = (given.word("halves", &[("even", true), ("uneven", false)])?, given.number("at")?);
     let (least, most) = range(&steady(recipe(given)?, command)?)?;
     let (below, above) = (command / MM_PER_S - least, most - command / MM_PER_S);
     let is_even = (above - below).abs() <= 0.05 * (above + below);
-    Ok(Finding::truth(is_even == even, format!("{above:.2} mm/s above and {below:.2} mm/s below")))
+    Ok(Finding::truth(
+        most - least > OSCILLATES && is_even == even,
+        format!("{above:.2} mm/s above and {below:.2} mm/s below"),
+    ))
 }
 
 /// Whether the loop of force against velocity is the smaller at the higher command, and the force of steady sliding lies within both.

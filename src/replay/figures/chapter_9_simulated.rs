@@ -74,7 +74,7 @@ fn measured(_: &Figure) -> Result<Drawn, Problem> {
     let told: Vec<_> = drives.iter().map(|cells| runs_told(cells)).collect();
     let reading =
         format!("run with a rising command, the circuit gives {} of what was measured", told.join(", "));
-    let settings = "450 kgf, Fs = 1249 N, f = 10.7 N s/mm, VcL and Tc by the oil (eqs 11-9, 17-9)";
+    let settings = "what was measured is lost but for the Tc of T9-2, eq 15-9 run backwards; 450 kgf, Fs = 1249 N, f = 10.7 N s/mm, VcL and Tc by the oil (eqs 11-9, 17-9)";
     Ok(Drawn::of_theory(pictures, settings, reading))
 }
 
@@ -91,7 +91,7 @@ fn beside_measured(cells: &[Compared]) -> Picture {
     let title = format!("{} kN/mm", in_kn_per_mm(cells));
     let mut graph = Graph::new(&title, ("viscosity", "P"), ("Vc", "mm/s"))
         .across(0.0, 0.7)
-        .dots("measured", points(|row| Some(row.measured)));
+        .dots("behind T9-2 (eq 15-9 backwards)", points(|row| Some(row.measured)));
     for (name, value) in BESIDE {
         let points = points(value);
         if !points.is_empty() {
