@@ -36,6 +36,7 @@ pub mod machines;
 pub mod output;
 pub mod patch;
 pub mod plot;
+mod pool;
 pub mod program;
 pub mod replay;
 pub mod schematic;

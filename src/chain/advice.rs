@@ -1,15 +1,13 @@
 //! What lowers the critical velocity: the list of 9.5, each tried by a run.
 
-use std::convert::Infallible;
-
 use super::error::ChainError;
 use super::parameters::Parameters;
 use super::predictions::{Prediction, stability};
 use super::settings::Settings;
 use super::simulation::Simulation;
 use crate::instruments::{CriticalVelocity, NoCriticalVelocity};
+use crate::pool;
 use crate::slideway::design::{Design, DesignEquation};
-use crate::sweep::in_order;
 
 /// An advice of 9.5, and what came of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -143,21 +141,7 @@ const LIST: [Row; 7] = [
 
 /// Every advice, tried by runs side by side. `before` is the run without any.
 pub(super) fn all(design: &Design, before: &Simulation, settings: &Settings) -> Vec<Advice> {
-    let mut all = Vec::new();
-    let rows =
-        |range: std::ops::Range<u64>| range.map(|row| LIST[row as usize].tried(design, before, settings));
-    let Ok(()) = in_order(
-        0..LIST.len() as u64,
-        LIST.len() as u64,
-        vec![(); settings.threads.max(1)],
-        |()| 1,
-        |(), range| rows(range).collect(),
-        |advice| {
-            all.extend(advice);
-            Ok::<(), Infallible>(())
-        },
-    );
-    all
+    pool::each(&LIST, settings.threads, |row| row.tried(design, before, settings), |_| ())
 }
 
 impl Row {

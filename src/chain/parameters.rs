@@ -5,7 +5,7 @@ use crate::slideway::SlidewayError;
 use crate::slideway::design::{Design, limit_velocity};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::simulated::memory_at_weight;
-use crate::slideway::stability::DrivenTable;
+use crate::slideway::stability::{DrivenTable, SIMULATED_DAMPING};
 use crate::slideway::units::GRAVITY;
 
 /// A table, its drive and its friction.
@@ -24,9 +24,6 @@ pub struct Parameters {
     /// Time constant Tc with which solid friction follows velocity, in s.
     pub memory: f64,
 }
-
-/// Viscous coefficient of the study's simulation in N s/m: the one that the time constants were found with (8.4, 9.2).
-pub const SIMULATED_DAMPING: f64 = DrivenTable::simulated(0.0).damping;
 
 impl Parameters {
     /// By chapter 9: Fs by eq 12-9, VcL by eq 11-9, Tc by eq 17-9 and 20-9. They belong together: the study found Tc from measured

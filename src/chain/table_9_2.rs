@@ -1,18 +1,17 @@
 //! Table T9-2: twelve measured critical velocities, beside the study's equation, Routh-Hurwitz and runs.
 
-use std::convert::Infallible;
-
 use super::error::ChainError;
-use super::parameters::{Parameters, SIMULATED_DAMPING};
+use super::parameters::Parameters;
 use super::predictions::{Prediction, fitted, stability};
 use super::settings::Settings;
 use super::simulation::Simulation;
 use crate::instruments::CriticalVelocity;
+use crate::pool;
 use crate::slideway::SlidewayError;
 use crate::slideway::measured::{Measurement, TABLE_9_2};
 use crate::slideway::simulated::OilLaw;
+use crate::slideway::stability::SIMULATED_DAMPING;
 use crate::slideway::units::{GRAVITY, KGF};
-use crate::sweep::in_order;
 
 /// Weight of the table that was measured, in N.
 const WEIGHT: f64 = 450.0 * KGF;
@@ -43,19 +42,7 @@ pub struct Compared {
 /// # Errors
 /// Where a run cannot be made.
 pub fn table_9_2(settings: &Settings) -> Result<Vec<Compared>, ChainError> {
-    let mut all = Vec::new();
-    let Ok(()) = in_order(
-        0..TABLE_9_2.len() as u64,
-        TABLE_9_2.len() as u64,
-        vec![(); settings.threads.max(1)],
-        |()| 1,
-        |(), range| range.map(|cell| compared(&TABLE_9_2[cell as usize], settings)).collect(),
-        |row| {
-            all.extend(row);
-            Ok::<(), Infallible>(())
-        },
-    );
-    all.into_iter().collect()
+    pool::each(&TABLE_9_2, settings.threads, |cell| compared(cell, settings), |_| ()).into_iter().collect()
 }
 
 fn compared(cell: &Measurement, settings: &Settings) -> Result<Compared, ChainError> {

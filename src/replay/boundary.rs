@@ -4,7 +4,7 @@
 
 use std::sync::LazyLock;
 
-use super::recipe::{Problem, Recipe, number};
+use super::recipe::{Problem, Recipe, first_number};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::power_law::PowerLaw;
 use crate::slideway::units::N_S_PER_MM;
@@ -42,16 +42,15 @@ impl Ceased {
     }
 }
 
-/// Ramps for every time constant and every VcL given, at a rate.
-pub(super) fn ramps(memories: &[f64], limits: &[f64], rate: f64) -> Result<Vec<Ceased>, Problem> {
+/// Ramps for each time constant with its VcL, at a rate.
+pub(super) fn ramps(settings: &[(f64, f64)], rate: f64) -> Result<Vec<Ceased>, Problem> {
     let recipe = Recipe::of("fig-8-16").set("v_rate", rate).lasting(HIGHEST / rate);
-    let rows = recipe.sweep(&[axis("Tc", memories), axis("VcL", limits)], &["critical_velocity"])?;
-    let read = |row: crate::sweep::Row| Ceased {
-        memory: row.values[0],
-        limit: row.values[1],
-        velocity: row.cells.into_iter().next().flatten().and_then(number),
-    };
-    Ok(rows.into_iter().map(read).collect())
+    let rows = settings.iter().map(|(memory, limit)| vec![*memory, *limit]).collect();
+    let rows = recipe.sweep_rows(&["Tc", "VcL"], rows, &["critical_velocity"])?;
+    let ceased = settings.iter().zip(&rows);
+    Ok(ceased
+        .map(|((memory, limit), row)| Ceased { memory: *memory, limit: *limit, velocity: first_number(row) })
+        .collect())
 }
 
 /// "Tc=0.0065,0.01".
@@ -67,8 +66,12 @@ pub(super) fn limits() -> Vec<f64> {
 
 /// The sweep of Fig 8.30: every time constant with every VcL, at the study's rate. Made once.
 pub(super) fn sweep() -> Result<&'static [Ceased], Problem> {
-    static SWEEP: LazyLock<Result<Vec<Ceased>, String>> =
-        LazyLock::new(|| ramps(&MEMORIES, &limits(), RATE).map_err(|problem| problem.to_string()));
+    static SWEEP: LazyLock<Result<Vec<Ceased>, String>> = LazyLock::new(|| {
+        let with_limits =
+            |memory: &f64| limits().into_iter().map(|limit| (*memory, limit)).collect::<Vec<_>>();
+        let settings: Vec<_> = MEMORIES.iter().flat_map(with_limits).collect();
+        ramps(&settings, RATE).map_err(|problem| problem.to_string())
+    });
     SWEEP.as_deref().map_err(|problem| problem.clone().into())
 }
 
@@ -96,11 +99,9 @@ pub(super) fn slopes_at_tops(ceased: &[Ceased]) -> Result<(Vec<(f64, f64)>, Powe
 /// The same ramps at another rate, at the VcL of the tops.
 pub(super) fn slopes_at_rate(rate: f64) -> Result<(Vec<(f64, f64)>, PowerLaw), Problem> {
     let ceased = sweep()?;
-    let mut points = Vec::new();
-    for top in MEMORIES.iter().filter_map(|memory| top(ceased, *memory)) {
-        let slower = ramps(&[top.memory], &[top.limit], rate)?;
-        points.extend(slower.iter().filter_map(|slower| Some((slower.memory, slower.slope()?))));
-    }
+    let tops = MEMORIES.iter().filter_map(|memory| top(ceased, *memory)).map(|top| (top.memory, top.limit));
+    let slower = ramps(&tops.collect::<Vec<_>>(), rate)?;
+    let points: Vec<_> = slower.iter().filter_map(|slower| Some((slower.memory, slower.slope()?))).collect();
     let law = PowerLaw::fit(&points)?;
     Ok((points, law))
 }

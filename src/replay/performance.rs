@@ -1,12 +1,10 @@
 //! Figures drawn and claims examined on several threads, in an order that does not depend on them.
 
-use std::convert::Infallible;
-
 use super::checks::CheckError;
 use super::claim::Claim;
 use super::examined::Examined;
 use super::figures::{Drawn, Figure, FigureError};
-use crate::sweep::pool;
+use crate::pool;
 
 /// Why a replay ends early.
 #[derive(Debug, thiserror::Error)]
@@ -47,23 +45,8 @@ pub fn perform(
 ) -> Result<(Vec<Drawn>, Vec<Examined>), ReplayError> {
     let figures = figures.iter().map(|figure| Piece::Figure(figure));
     let pieces: Vec<_> = figures.chain(claims.iter().map(Piece::Claim)).collect();
-    let (all, mut outcomes) = (pieces.len() as u64, Vec::with_capacity(pieces.len()));
-    let workers = vec![(); threads.max(1)];
-    let work = |_: &mut (), some: std::ops::Range<u64>| {
-        some.map(|index| pieces[index as usize].done()).collect::<Vec<_>>()
-    };
-    let Ok(()) = pool::in_order(
-        0..all,
-        all,
-        workers,
-        |()| 1,
-        work,
-        |outcome| {
-            outcomes.extend(outcome);
-            progress(outcomes.len() as u64, all);
-            Ok::<(), Infallible>(())
-        },
-    );
+    let all = pieces.len() as u64;
+    let outcomes = pool::each(&pieces, threads, Piece::done, |done| progress(done, all));
     let (mut drawn, mut examined) = (Vec::new(), Vec::new());
     for outcome in outcomes {
         match outcome? {

@@ -155,9 +155,9 @@ impl Recipe {
     /// Runs it, under a name and a title.
     pub fn run(&self, name: &str, title: &str) -> Result<Replayed, Problem> {
         let circuit = self.circuit(name, title)?;
-        let trace = solve::run(&Program::new(&circuit)?, &RunSettings::of(&circuit)?);
-        let trace = trace.map_err(|stopped| stopped.error)?;
-        Ok(Replayed { circuit, trace })
+        let program = Program::new(&circuit)?;
+        let trace = solve::run(&program, &RunSettings::of(&circuit)?).map_err(|stopped| stopped.error)?;
+        Ok(Replayed { circuit, program, trace })
     }
 }
 
@@ -165,6 +165,7 @@ impl Recipe {
 #[derive(Debug)]
 pub(super) struct Replayed {
     circuit: Circuit,
+    program: Program,
     pub trace: Trace,
 }
 
@@ -208,8 +209,7 @@ impl Replayed {
 
     /// What a measure reads off it, a number a column; nothing where it reads nothing.
     pub fn measure(&self, text: &str) -> Result<Vec<Option<f64>>, Problem> {
-        let program = Program::new(&self.circuit)?;
-        let cells = Measure::parse(text, program.signals())?.read(&self.trace);
+        let cells = Measure::parse(text, self.program.signals())?.read(&self.trace);
         Ok(cells.into_iter().map(|cell| cell.ok().and_then(number)).collect())
     }
 
@@ -249,6 +249,11 @@ impl Critical {
 /// A velocity, in words.
 fn told(velocity: f64) -> String {
     Display::new("m/s", velocity).text(velocity)
+}
+
+/// The first number that was measured of a run of a sweep.
+pub(super) fn first_number(row: &Row) -> Option<f64> {
+    row.cells.first()?.clone().and_then(number)
 }
 
 /// The number in a cell.

@@ -8,6 +8,9 @@ const VELOCITY: Range = Range::finite("velocity", "m/s");
 const DAMPING: Range = Range::not_negative("viscous coefficient f", "N s/m");
 const SLOPE: Range = Range::not_negative("slope of friction Cn", "N s/m");
 
+/// Static friction of the study's simulation, in N (8.4).
+pub const SIMULATED_STATIC: f64 = 771.0;
+
 /// Static friction, and the velocity at which solid friction ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FallingFriction {
@@ -21,7 +24,7 @@ impl FallingFriction {
     /// That of the study's simulation, 771 N (8.4), with a limit velocity in m/s: it set 1.27 ... 25.4 mm/s, and 40 mm/s where it
     /// changed the stiffness (8.5).
     pub const fn simulated(limit: f64) -> Self {
-        FallingFriction { static_friction: 771.0, limit }
+        FallingFriction { static_friction: SIMULATED_STATIC, limit }
     }
 
     fn checked(&self) -> Result<&Self, SlidewayError> {

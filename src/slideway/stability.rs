@@ -23,6 +23,9 @@ pub const PRINTED_BY_MEMORY: PowerLaw = PowerLaw::new(12.95e4, 1.55);
 /// 10 ... 45 kN/mm.
 pub const PRINTED_BY_STIFFNESS: PowerLaw = PowerLaw::new(0.0385, 0.685);
 
+/// Viscous coefficient of the study's simulation, in N s/m: the one that its time constants were found with (8.4, 9.2).
+pub const SIMULATED_DAMPING: f64 = 10.7e3;
+
 /// A table on its drive: a mass on a spring with viscous damping, whose solid friction remembers velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrivenTable {
@@ -58,7 +61,7 @@ impl DrivenTable {
     /// The study's final simulation (8.4), M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm, with a time constant in s; it set
     /// 6 ... 25 ms.
     pub const fn simulated(memory: f64) -> Self {
-        DrivenTable { mass: 433.0, stiffness: 45e6, damping: 10.7e3, memory }
+        DrivenTable { mass: 433.0, stiffness: 45e6, damping: SIMULATED_DAMPING, memory }
     }
 
     pub(super) fn checked(&self) -> Result<&Self, SlidewayError> {

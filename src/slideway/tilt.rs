@@ -1,5 +1,6 @@
 //! A table that is not pushed through its middle tilts: pitch and yaw (4.4, Figs 4.4, 4.5).
 
+use super::units::{KGF, MM};
 use super::{Range, SlidewayError};
 
 const STIFFNESS: Range = Range::positive("stiffness of the interface Ks", "N/m");
@@ -30,6 +31,15 @@ pub struct Tilt {
 }
 
 impl Tilt {
+    /// The example of the study (4.4): 50 kgf, 150 mm beside the middle of a table of 450 mm.
+    pub const EXAMPLE: Tilt = Tilt {
+        offset: 150.0 * MM,
+        force: 50.0 * KGF,
+        stiffness: 1e5 * KGF / MM,
+        length: 450.0 * MM,
+        factor: TILT_FACTOR,
+    };
+
     /// Deflection at the edge of the table in m, 9 La FA / (2 Ks LT) (eq 3-4).
     ///
     /// # Errors
@@ -77,28 +87,20 @@ pub fn sinking(weight: f64, stiffness: f64) -> Result<f64, SlidewayError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::slideway::units::{KGF, MM, UM};
-
-    const EXAMPLE: Tilt = Tilt {
-        offset: 150.0 * MM,
-        force: 50.0 * KGF,
-        stiffness: 1e5 * KGF / MM,
-        length: 450.0 * MM,
-        factor: TILT_FACTOR,
-    };
+    use crate::slideway::units::UM;
 
     #[test]
     fn the_example_of_the_text_comes_out() {
-        assert!((EXAMPLE.pitch().unwrap() / UM - 0.75).abs() < 1e-9);
-        assert!((EXAMPLE.pitch_angle().unwrap() - 3.333e-6).abs() < 1e-9);
-        assert!((Tilt { factor: EVEN_INTERFACE, ..EXAMPLE }.pitch().unwrap() / UM - 1.0).abs() < 1e-9);
-        assert!((sinking(454.0 * KGF, EXAMPLE.stiffness).unwrap() / UM - 4.54).abs() < 1e-9);
+        assert!((Tilt::EXAMPLE.pitch().unwrap() / UM - 0.75).abs() < 1e-9);
+        assert!((Tilt::EXAMPLE.pitch_angle().unwrap() - 3.333e-6).abs() < 1e-9);
+        assert!((Tilt { factor: EVEN_INTERFACE, ..Tilt::EXAMPLE }.pitch().unwrap() / UM - 1.0).abs() < 1e-9);
+        assert!((sinking(454.0 * KGF, Tilt::EXAMPLE.stiffness).unwrap() / UM - 4.54).abs() < 1e-9);
     }
 
     /// An interface of even stiffness in slices: the moment of its pressure about the middle holds the offset force.
     #[test]
     fn an_even_interface_turns_by_twelve() {
-        let even = Tilt { factor: EVEN_INTERFACE, ..EXAMPLE };
+        let even = Tilt { factor: EVEN_INTERFACE, ..Tilt::EXAMPLE };
         let (slices, slope) = (2000, 2.0 * even.pitch().unwrap() / even.length);
         let moments = (0..slices).map(|slice| {
             let place = even.length * ((slice as f64 + 0.5) / slices as f64 - 0.5);
@@ -109,11 +111,11 @@ mod tests {
 
     #[test]
     fn the_clearance_is_taken_up_by_an_offset_only() {
-        let straight = Tilt { offset: 0.0, ..EXAMPLE };
+        let straight = Tilt { offset: 0.0, ..Tilt::EXAMPLE };
         assert_eq!(straight.yaw(0.01 * MM), Ok(0.0));
-        assert!((EXAMPLE.yaw(0.01 * MM).unwrap() / UM - 10.75).abs() < 1e-9);
-        assert!((Tilt { offset: -0.15, ..EXAMPLE }.yaw(0.01 * MM).unwrap() / UM + 10.75).abs() < 1e-9);
-        assert!((EXAMPLE.yaw_angle(0.01 * MM).unwrap() - 4.778e-5).abs() < 1e-8);
-        assert!(EXAMPLE.yaw(-1.0).is_err());
+        assert!((Tilt::EXAMPLE.yaw(0.01 * MM).unwrap() / UM - 10.75).abs() < 1e-9);
+        assert!((Tilt { offset: -0.15, ..Tilt::EXAMPLE }.yaw(0.01 * MM).unwrap() / UM + 10.75).abs() < 1e-9);
+        assert!((Tilt::EXAMPLE.yaw_angle(0.01 * MM).unwrap() - 4.778e-5).abs() < 1e-8);
+        assert!(Tilt::EXAMPLE.yaw(-1.0).is_err());
     }
 }

@@ -8,14 +8,12 @@ mod error;
 mod journal;
 mod pace;
 mod plan;
-pub(crate) mod pool;
 mod row;
 mod table;
 
 pub use bench::Bench;
 pub use error::{JournalError, PlanError};
 pub use plan::{Axis, Plan};
-pub(crate) use pool::in_order;
 pub use row::Row;
 
 use std::fmt::{self, Write as _};
@@ -25,6 +23,7 @@ use std::path::Path;
 
 use crate::instruments::{Column, Measure};
 use crate::kernel::LANES;
+use crate::pool;
 use crate::program::Program;
 use crate::solve::{Backend, Phase, RunError, RunSettings};
 use crate::trace::number;
@@ -283,7 +282,7 @@ impl Sweep {
         let benches = (0..threads).map(|_| (self.bench(), Pace::new(abreast))).collect();
         let mut tally = there;
         progress(first);
-        in_order(
+        pool::in_order(
             0..left,
             AHEAD,
             benches,

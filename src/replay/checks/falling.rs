@@ -4,6 +4,7 @@ use super::super::finding::Finding;
 use super::super::given::Given;
 use super::{Check, CheckError};
 use crate::slideway::falling::{FallingFriction, stable_limit, worst_limit};
+use crate::slideway::stability::SIMULATED_DAMPING;
 use crate::slideway::units::{MM_PER_S, N_S_PER_MM};
 
 pub(super) const CHECKS: &[Check] = &[
@@ -27,7 +28,7 @@ fn friction(given: &Given) -> Result<FallingFriction, CheckError> {
 
 /// f in N s/m, by default that of the simulation.
 fn damping(given: &Given) -> Result<f64, CheckError> {
-    Ok(given.number_or("f", 10.7e3)?)
+    Ok(given.number_or("f", SIMULATED_DAMPING)?)
 }
 
 /// Solid friction by the square law, as a share of Fs, at a share of VcL.

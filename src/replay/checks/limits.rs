@@ -3,7 +3,7 @@
 use super::super::boundary::{self, RATE, undisturbed};
 use super::super::finding::Finding;
 use super::super::given::Given;
-use super::super::recipe::{Recipe, number};
+use super::super::recipe::{Recipe, first_number};
 use super::{Check, CheckError};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::power_law::PowerLaw;
@@ -55,7 +55,8 @@ fn slope_spread(given: &Given) -> Result<Finding, CheckError> {
     let (memory, limits) = (given.number("Tc")?, given.numbers("VcL")?);
     let by_ramp = given.word("by", &[("ramp", true), ("disturbance", false)])?;
     let slopes: Vec<f64> = if by_ramp {
-        boundary::ramps(&[memory], &limits, RATE)?.iter().filter_map(boundary::Ceased::slope).collect()
+        let settings: Vec<_> = limits.iter().map(|limit| (memory, *limit)).collect();
+        boundary::ramps(&settings, RATE)?.iter().filter_map(boundary::Ceased::slope).collect()
     } else {
         limits.iter().map(|limit| disturbed_slope(memory, *limit)).collect::<Result<_, _>>()?
     };
@@ -74,7 +75,7 @@ fn slope_exponent_by_stiffness(given: &Given) -> Result<Finding, CheckError> {
     let rows = recipe.sweep(&[boundary::axis("K", &given.numbers("K")?)], &["critical_velocity"])?;
     let mut points = Vec::new();
     for row in rows {
-        if let Some(velocity) = row.cells.into_iter().next().flatten().and_then(number) {
+        if let Some(velocity) = first_number(&row) {
             let slope = FallingFriction::simulated(limit).slope(velocity)? / N_S_PER_MM;
             points.push((row.values[0] / N_PER_MM, slope));
         }

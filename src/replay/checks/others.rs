@@ -8,6 +8,7 @@ use crate::circuit::Circuit;
 use crate::machines::Part;
 use crate::patch::{Dimension, Unit};
 use crate::program::Program;
+use crate::slideway::stability::SIMULATED_DAMPING;
 use crate::slideway::units::MM_PER_S;
 
 pub(super) const CHECKS: &[Check] = &[
@@ -95,7 +96,8 @@ fn no_oscillation_lasts(given: &Given) -> Result<Finding, CheckError> {
     let mut told = Vec::new();
     let mut lasts = false;
     for share in given.numbers("shares")? {
-        let recipe = Recipe::of("singh").set("n", share * 10.7e3).lasting(0.6).recording(&["v_i", "v_o"]);
+        let recipe =
+            Recipe::of("singh").set("n", share * SIMULATED_DAMPING).lasting(0.6).recording(&["v_i", "v_o"]);
         let run = recipe.run("singh", "")?;
         let swing: Vec<f64> = run
             .points(("v_i", MM_PER_S), ("v_o", MM_PER_S))?

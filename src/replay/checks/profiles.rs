@@ -8,8 +8,8 @@ use super::super::finding::Finding;
 use super::super::given::Given;
 use super::super::recipe::{Critical, Recipe, number};
 use super::{Check, CheckError};
-use crate::slideway::falling::{FallingFriction, stable_limit};
-use crate::slideway::stability::DrivenTable;
+use crate::slideway::falling::{FallingFriction, SIMULATED_STATIC, stable_limit};
+use crate::slideway::stability::{DrivenTable, SIMULATED_DAMPING};
 use crate::slideway::units::MM_PER_S;
 
 pub(super) const CHECKS: &[Check] = &[
@@ -85,7 +85,7 @@ fn critical_velocity(given: &Given) -> Result<Finding, CheckError> {
 /// Whether oscillation ends, while the command rises, at a velocity at which all friction still falls.
 fn ends_while_friction_falls(given: &Given) -> Result<Finding, CheckError> {
     let friction = FallingFriction::simulated(given.number("VcL")?);
-    let least = friction.velocity_of_least(given.number_or("f", 10.7e3)?)? / MM_PER_S;
+    let least = friction.velocity_of_least(given.number_or("f", SIMULATED_DAMPING)?)? / MM_PER_S;
     let ends = read(given_profile(given)?.rising)?;
     Ok(Finding::truth(ends < least, format!("ends at {ends:.2} mm/s; friction is least at {least:.2} mm/s")))
 }
@@ -128,7 +128,7 @@ fn settings(number: u64) -> Result<Vec<f64>, CheckError> {
     let between = |(low, high): (f64, f64), place: i32| low + share(place) * (high - low);
     let [stiffness, damping, memory] = [0, 1, 2].map(|place| between(RANGES[place], place as i32 + 1));
     let table = DrivenTable { stiffness, damping, ..DrivenTable::simulated(memory) };
-    let limit = stable_limit(771.0, table.critical_slope()?)?.min(LIMIT.1);
+    let limit = stable_limit(SIMULATED_STATIC, table.critical_slope()?)?.min(LIMIT.1);
     Ok(vec![stiffness, damping, memory, between((LIMIT.0, limit), 4)])
 }
 

@@ -10,6 +10,7 @@ use super::profiles::recipe;
 use super::{Check, CheckError};
 use crate::instruments::Criterion;
 use crate::slideway::falling::FallingFriction;
+use crate::slideway::stability::SIMULATED_DAMPING;
 use crate::slideway::units::MM_PER_S;
 
 pub(super) const CHECKS: &[Check] = &[
@@ -60,7 +61,7 @@ fn steady_curve(given: &Given) -> Result<Finding, CheckError> {
         run.trace.time.iter().zip(run.points(("v_o", 1.0), ("spring_force", 1.0))?)
     {
         if *time > settled {
-            furthest = furthest.max((force - friction.total(velocity, 10.7e3)?).abs());
+            furthest = furthest.max((force - friction.total(velocity, SIMULATED_DAMPING)?).abs());
         }
     }
     Ok(Finding::Number(100.0 * furthest / friction.static_friction))
@@ -128,7 +129,7 @@ fn loops_shrink(given: &Given) -> Result<Finding, CheckError> {
         let least = settled.iter().copied().fold(f64::INFINITY, f64::min);
         let most = settled.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let (low, high) = range(&run)?;
-        surrounds &= (least..most).contains(&friction.total(command, 10.7e3)?);
+        surrounds &= (least..most).contains(&friction.total(command, SIMULATED_DAMPING)?);
         swings.push((high - low, most - least));
     }
     let told: Vec<_> = swings.iter().map(|(v, force)| format!("{v:.2} mm/s by {force:.0} N")).collect();

@@ -6,9 +6,9 @@ use super::{Drawn, Figure, Graph};
 use crate::plot::Ink;
 use crate::replay::recipe::Problem;
 use crate::slideway::falling::FallingFriction;
-use crate::slideway::stability::DrivenTable;
-use crate::slideway::tilt::{EVEN_INTERFACE, TILT_FACTOR, Tilt};
-use crate::slideway::units::{KGF, MM, MM_PER_S, N_S_PER_MM, UM};
+use crate::slideway::stability::{DrivenTable, SIMULATED_DAMPING};
+use crate::slideway::tilt::{EVEN_INTERFACE, Tilt};
+use crate::slideway::units::{MM_PER_S, N_S_PER_MM, UM};
 
 /// The figures, in their order.
 pub(super) const FIGURES: &[Figure] = &[
@@ -52,21 +52,18 @@ pub(super) const FIGURES: &[Figure] = &[
 /// The largest limit velocity of the simulation, in m/s.
 const LIMIT: f64 = 25.4 * MM_PER_S;
 
-/// Viscous friction of the simulation, in N s/m.
-const DAMPING: f64 = DrivenTable::simulated(0.0).damping;
-
 /// Velocities that are shown, in mm/s.
 fn velocities() -> impl Iterator<Item = f64> + Clone {
     evenly(0.0, 40.0, 201)
 }
 
 fn viscous() -> Vec<(f64, f64)> {
-    velocities().map(|velocity| (velocity, DAMPING * velocity * MM_PER_S)).collect()
+    velocities().map(|velocity| (velocity, SIMULATED_DAMPING * velocity * MM_PER_S)).collect()
 }
 
 fn whole() -> Result<Vec<(f64, f64)>, Problem> {
     let friction = FallingFriction::simulated(LIMIT);
-    curve(velocities(), |velocity| friction.total(velocity * MM_PER_S, DAMPING))
+    curve(velocities(), |velocity| friction.total(velocity * MM_PER_S, SIMULATED_DAMPING))
 }
 
 fn against_velocity(title: &str, up: (&str, &str)) -> Graph {
@@ -78,28 +75,19 @@ fn slopes(figure: &Figure) -> Result<Drawn, Problem> {
     let force = against_velocity(&figure.heading(), ("friction force F", "N"))
         .line("(a) linear", viscous())
         .line("(b) falling", whole()?);
-    let slope = |velocity: f64| Ok((DAMPING - friction.slope(velocity * MM_PER_S)?) / N_S_PER_MM);
+    let slope = |velocity: f64| Ok((SIMULATED_DAMPING - friction.slope(velocity * MM_PER_S)?) / N_S_PER_MM);
     let derivative = against_velocity("(c) slope of both", ("dF/dv", "N s/mm"))
-        .line("(a)", velocities().map(|velocity| (velocity, DAMPING / N_S_PER_MM)).collect())
+        .line("(a)", velocities().map(|velocity| (velocity, SIMULATED_DAMPING / N_S_PER_MM)).collect())
         .line("(b)", curve(velocities(), slope)?);
     let reading = format!(
         "F is never below 0, its slope is: from {:.1} N s/mm at rest up to 0 at {:.1} mm/s, and {:.1} in the end",
         slope(0.0)?,
-        friction.velocity_of_least(DAMPING)? / MM_PER_S,
-        DAMPING / N_S_PER_MM
+        friction.velocity_of_least(SIMULATED_DAMPING)? / MM_PER_S,
+        SIMULATED_DAMPING / N_S_PER_MM
     );
     let settings = "Fs = 771 N, VcL = 25.4 mm/s, f = 10.7 N s/mm";
     Ok(Drawn::of_theory(vec![force.picture(), derivative.picture()], settings, reading))
 }
-
-/// The example of the text.
-const EXAMPLE: Tilt = Tilt {
-    offset: 150.0 * MM,
-    force: 50.0 * KGF,
-    stiffness: 1e5 * KGF / MM,
-    length: 450.0 * MM,
-    factor: TILT_FACTOR,
-};
 
 fn tilt(figure: &Figure) -> Result<Drawn, Problem> {
     let mut sketch = Sketch::new(&figure.heading(), 700.0);
@@ -112,12 +100,12 @@ fn tilt(figure: &Figure) -> Result<Drawn, Problem> {
         (16.0, 500.0),
     );
     top_view(&mut sketch);
-    let even = Tilt { factor: EVEN_INTERFACE, ..EXAMPLE };
+    let even = Tilt { factor: EVEN_INTERFACE, ..Tilt::EXAMPLE };
     let reading = format!(
         "the edge sinks by {:.2} µm as the text has it, by {:.2} µm on the even interface that it assumes; θp is {:.1} µrad",
-        EXAMPLE.pitch()? / UM,
+        Tilt::EXAMPLE.pitch()? / UM,
         even.pitch()? / UM,
-        EXAMPLE.pitch_angle()? * 1e6
+        Tilt::EXAMPLE.pitch_angle()? * 1e6
     );
     Ok(sketch.drawn("La = 150 mm, LT = 450 mm, FA = 50 kgf, Ks = 1e5 kgf/mm", reading))
 }
@@ -176,9 +164,12 @@ fn characteristics(figure: &Figure) -> Result<Drawn, Problem> {
     let kept = KEPT * falling.static_friction;
     let dropping = FallingFriction { static_friction: falling.static_friction - kept, limit: DROPS_UP_TO };
     let whole = |friction: FallingFriction, kept: f64| {
-        curve(velocities(), move |velocity| Ok(kept + friction.total(velocity * MM_PER_S, DAMPING)?))
+        curve(
+            velocities(),
+            move |velocity| Ok(kept + friction.total(velocity * MM_PER_S, SIMULATED_DAMPING)?),
+        )
     };
-    let linear = velocities().map(|velocity| (velocity, DAMPING * velocity * MM_PER_S)).collect();
+    let linear = velocities().map(|velocity| (velocity, SIMULATED_DAMPING * velocity * MM_PER_S)).collect();
     let graph = against_velocity(&figure.heading(), ("friction force", "N"))
         .line("(a) linear", linear)
         .line("(b) falls up to 2.54 mm/s", whole(falling, 0.0)?)
@@ -186,7 +177,7 @@ fn characteristics(figure: &Figure) -> Result<Drawn, Problem> {
     let reading = format!(
         "(b) and (c) begin at {:.0} N; (b) is least at {:.2} mm/s, (c) keeps {kept:.0} N: the text tells only that both begin above 0 and fall somewhere",
         falling.static_friction,
-        falling.velocity_of_least(DAMPING)? / MM_PER_S
+        falling.velocity_of_least(SIMULATED_DAMPING)? / MM_PER_S
     );
     let settings = "Fs = 771 N, f = 10.7 N s/mm, as in patches/thesis/fig-4-07.json";
     Ok(Drawn::of_theory(vec![graph.picture()], settings, reading))
@@ -228,11 +219,11 @@ fn decomposed(figure: &Figure) -> Result<Drawn, Problem> {
         .line("both", whole()?)
         .mark(LIMIT / MM_PER_S, "VcL");
     let half = friction.solid(LIMIT / 2.0)?;
-    let least = friction.velocity_of_least(DAMPING)?;
+    let least = friction.velocity_of_least(SIMULATED_DAMPING)?;
     let reading = format!(
         "(A) is 771 N at rest, a quarter of it ({half:.0} N) at half of VcL and none beyond; both together are least at {:.1} mm/s, {:.0} N",
         least / MM_PER_S,
-        friction.total(least, DAMPING)?
+        friction.total(least, SIMULATED_DAMPING)?
     );
     Ok(Drawn::of_theory(vec![graph.picture()], "Fs = 771 N, VcL = 25.4 mm/s, f = 10.7 N s/mm", reading))
 }

@@ -5,6 +5,8 @@ use crate::circuit::Circuit;
 use crate::instruments::parameter_line;
 use crate::replay::recipe::{Problem, Replayed};
 use crate::schematic::Schematic;
+use crate::slideway::falling::SIMULATED_STATIC;
+use crate::slideway::stability::SIMULATED_DAMPING;
 use crate::slideway::units::{MM, MM_PER_S};
 
 /// The figures, in their order.
@@ -147,7 +149,7 @@ fn steps(figure: &Figure) -> Result<Drawn, Problem> {
         "the linear table rings and ends at {}; with friction it stops at {}, within Fs/K = {} of the command",
         told(end(&linear)?, "m"),
         told(end(&with_friction)?, "m"),
-        told(771.0 / 17.86e6, "m"),
+        told(SIMULATED_STATIC / 17.86e6, "m"),
     );
     Drawn::of_runs(&[&linear, &with_friction], pictures, with_friction.settings(), reading)
 }
@@ -191,8 +193,15 @@ fn dead_zone(figure: &Figure) -> Result<Drawn, Problem> {
     let run = figure.run(&Recipe::of("fig-8-05"), "")?;
     let points = run.points(("V_1", 1.0), ("V_o", 1.0))?;
     let (end, slope) = end_and_slope(&points);
-    let friction = Graph::new("(a) static friction against velocity", ("v", "mm/s"), ("F", "N"))
-        .line("Fs", vec![(-2.0, -771.0), (0.0, -771.0), (0.0, 771.0), (2.0, 771.0)]);
+    let friction = Graph::new("(a) static friction against velocity", ("v", "mm/s"), ("F", "N")).line(
+        "Fs",
+        vec![
+            (-2.0, -SIMULATED_STATIC),
+            (0.0, -SIMULATED_STATIC),
+            (0.0, SIMULATED_STATIC),
+            (2.0, SIMULATED_STATIC),
+        ],
+    );
     let mut pictures = vec![friction.picture()];
     pictures.extend(
         run.pictures()?
@@ -230,8 +239,9 @@ fn straight_lines(figure: &Figure) -> Result<Drawn, Problem> {
         let run = straight(figure, limit, which)?;
         let (velocity, level) = (run.values("v_o")?, run.values("friction_level")?);
         let friction = velocity.iter().zip(&level).filter(|(velocity, _)| **velocity > 0.0);
-        let mut points: Vec<_> =
-            friction.map(|(velocity, level)| (velocity / MM_PER_S, level + 10.7e3 * velocity)).collect();
+        let mut points: Vec<_> = friction
+            .map(|(velocity, level)| (velocity / MM_PER_S, level + SIMULATED_DAMPING * velocity))
+            .collect();
         points.sort_by(|one, other| one.0.total_cmp(&other.0));
         graph = graph.line(format!("VcL = {}", told(limit, "m/s")), points);
         runs.push(run);

@@ -3,10 +3,10 @@
 use super::graph::{by_ratio, evenly};
 use super::{Drawn, Figure, Graph, Recipe, told};
 use crate::replay::boundary::{self, MEMORIES, RATE, axis, of_memory};
-use crate::replay::recipe::{Problem, number};
+use crate::replay::recipe::{Problem, first_number};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::simulated::SLOPE_BY_MEMORY;
-use crate::slideway::stability::DrivenTable;
+use crate::slideway::stability::{DrivenTable, SIMULATED_DAMPING};
 use crate::slideway::units::{MM_PER_S, MS, N_PER_MM, N_S_PER_MM};
 
 /// The figures, in their order.
@@ -89,7 +89,7 @@ fn by_memory(figure: &Figure) -> Result<Drawn, Problem> {
         });
         graph = graph.line(format!("Routh-Hurwitz, {}", told(limit, "m/s")), law.collect());
     }
-    let limiting = FallingFriction::simulated(25.4e-3).velocity_of_least(10.7e3)?;
+    let limiting = FallingFriction::simulated(25.4e-3).velocity_of_least(SIMULATED_DAMPING)?;
     let reading = format!(
         "as Tc tends to 0, Vc tends to VcL (1 - f VcL / (2 Fs)): {} for 25.4 mm/s, not 25.4 mm/s",
         told(limiting, "m/s")
@@ -109,7 +109,7 @@ fn by_stiffness(figure: &Figure) -> Result<Drawn, Problem> {
     let simulated: Vec<_> = rows
         .into_iter()
         .filter_map(|row| {
-            let velocity = row.cells.into_iter().next().flatten().and_then(number)?;
+            let velocity = first_number(&row)?;
             Some((row.values[0] / N_PER_MM / 1e3, velocity / MM_PER_S))
         })
         .collect();

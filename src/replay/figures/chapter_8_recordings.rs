@@ -8,9 +8,9 @@ use super::{Drawn, Figure, Graph, Recipe, titled, told};
 use crate::instruments::{Criterion, FrictionLoop, cycles, friction_loop};
 use crate::plot::{Channel, Picture};
 use crate::replay::boundary::{RATE, axis};
-use crate::replay::recipe::{Problem, Replayed, number};
-use crate::slideway::falling::FallingFriction;
-use crate::slideway::stability::DrivenTable;
+use crate::replay::recipe::{Problem, Replayed, first_number};
+use crate::slideway::falling::{FallingFriction, SIMULATED_STATIC};
+use crate::slideway::stability::{DrivenTable, SIMULATED_DAMPING};
 use crate::slideway::units::{MM_PER_S, UM};
 
 /// The figures, in their order.
@@ -145,11 +145,8 @@ fn returning(recipe: Recipe, rate: f64) -> Recipe {
 fn steady_friction(limit: f64, to: f64) -> Result<Vec<(f64, f64)>, Problem> {
     let friction = FallingFriction::simulated(limit);
     // At rest it is anything up to Fs: the curve begins just beside.
-    evenly(1e-9, to, 200).map(|v| Ok((v / MM_PER_S, friction.total(v, DAMPING)?))).collect()
+    evenly(1e-9, to, 200).map(|v| Ok((v / MM_PER_S, friction.total(v, SIMULATED_DAMPING)?))).collect()
 }
-
-/// f of 8.4, in N s/m.
-const DAMPING: f64 = 10.7e3;
 
 fn characteristic(figure: &Figure) -> Result<Drawn, Problem> {
     let mut graph = Graph::new(&figure.heading(), ("v_o", "mm/s"), ("spring force", "N"));
@@ -162,7 +159,7 @@ fn characteristic(figure: &Figure) -> Result<Drawn, Problem> {
         // After five time constants the lag has forgotten that the table stood.
         let settled = run.trace.time.iter().zip(&points).filter(|(time, _)| **time > 2.5);
         for (_, (velocity, force)) in settled {
-            furthest = furthest.max((force - friction.total(*velocity, DAMPING)?).abs());
+            furthest = furthest.max((force - friction.total(*velocity, SIMULATED_DAMPING)?).abs());
         }
         let points = points.into_iter().map(|(velocity, force)| (velocity / MM_PER_S, force)).collect();
         graph = graph.line(format!("VcL = {}", told(limit, "m/s")), points);
@@ -170,7 +167,7 @@ fn characteristic(figure: &Figure) -> Result<Drawn, Problem> {
     }
     let reading = format!(
         "with Tc = 0.5 s and a minute to VcL the run follows N (VcL - v)^2 + f v to {furthest:.1} N, {:.1} % of Fs",
-        furthest / 7.71
+        100.0 * furthest / SIMULATED_STATIC
     );
     let settings = runs[1].settings();
     Drawn::of_runs(&runs.iter().collect::<Vec<_>>(), vec![graph.picture()], settings, reading)
@@ -260,7 +257,7 @@ fn quasi_harmonic_loop(figure: &Figure) -> Result<Drawn, Problem> {
 
 /// Where all friction is least: its slope is 0 there (eq 48-8).
 fn least_friction() -> Result<f64, Problem> {
-    Ok(FallingFriction::simulated(LIMIT).velocity_of_least(DAMPING)?)
+    Ok(FallingFriction::simulated(LIMIT).velocity_of_least(SIMULATED_DAMPING)?)
 }
 
 fn profile(figure: &Figure) -> Result<Drawn, Problem> {
@@ -280,7 +277,7 @@ fn error_force(figure: &Figure) -> Result<Drawn, Problem> {
     pictures[0].channels[0].name = "spring force".to_owned();
     pictures[0].channels.push(Channel::line("steady friction", steady_friction(LIMIT, HIGHEST)?));
     let critical = run.critical()?.rising.ok_or("oscillation does not end")?;
-    let slope = DAMPING - FallingFriction::simulated(LIMIT).slope(critical)?;
+    let slope = SIMULATED_DAMPING - FallingFriction::simulated(LIMIT).slope(critical)?;
     let reading = format!(
         "oscillation ends at {}, where steady friction still falls by {:.1} N s/mm",
         told(critical, "m/s"),
@@ -297,7 +294,7 @@ fn frequency(figure: &Figure) -> Result<Drawn, Problem> {
     let recipe = steady(final_circuit(), 1e-3).lasting(4.0).every(5e-4);
     let rows = recipe.sweep(&[axis("v_start", &COMMANDS)], &["frequency:spring_force,last=1.5"])?;
     let read = rows.into_iter().filter_map(|row| {
-        let frequency = row.cells.into_iter().next().flatten().and_then(number)?;
+        let frequency = first_number(&row)?;
         Some((row.values[0] / MM_PER_S, frequency))
     });
     let points: Vec<_> = read.collect();
@@ -426,9 +423,7 @@ const READINGS: [f64; 8] = [2.54e-3, 5.08e-3, 10.16e-3, 15.24e-3, 20.32e-3, 23e-
 fn frequencies_by_limit(command: f64) -> Result<Vec<(f64, f64)>, Problem> {
     let recipe = steady(Recipe::of("fig-8-16"), command).lasting(4.0).every(2e-4);
     let rows = recipe.sweep(&[axis("VcL", &READINGS)], &["frequency:v_o,last=1"])?;
-    let read = rows.into_iter().filter_map(|row| {
-        Some((row.values[0] / MM_PER_S, row.cells.into_iter().next().flatten().and_then(number)?))
-    });
+    let read = rows.into_iter().filter_map(|row| Some((row.values[0] / MM_PER_S, first_number(&row)?)));
     Ok(read.collect())
 }
 

@@ -1,6 +1,7 @@
 //! Work done by several threads, and taken in its order.
 
 use std::collections::VecDeque;
+use std::convert::Infallible;
 use std::hint::black_box;
 use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -15,7 +16,7 @@ const TOLD_AFTER: Duration = Duration::from_secs(1);
 /// each thread, the fastest may be so many ahead of what was taken: what waits for a slow one stays in memory. Where the
 /// system gives fewer threads, these do it all; where it gives none, this one. When `take` refuses, what has begun is
 /// finished and the rest left.
-pub(crate) fn in_order<W, T: Send, E>(
+pub fn in_order<W, T: Send, E>(
     indices: Range<u64>,
     ahead: u64,
     workers: Vec<W>,
@@ -47,6 +48,30 @@ where
         queue.stop();
         outcome
     })
+}
+
+/// The result of every item in their order, worked out on so many threads. `progress` is told how many are done.
+pub fn each<I: Sync, T: Send>(
+    items: &[I],
+    threads: usize,
+    work: impl Fn(&I) -> T + Sync,
+    mut progress: impl FnMut(u64),
+) -> Vec<T> {
+    let (count, mut results) = (items.len() as u64, Vec::with_capacity(items.len()));
+    let work = |(): &mut (), some: Range<u64>| some.map(|index| work(&items[index as usize])).collect();
+    let Ok(()) = in_order(
+        0..count,
+        count,
+        vec![(); threads.max(1)],
+        |()| 1,
+        work,
+        |result| {
+            results.extend(result);
+            progress(results.len() as u64);
+            Ok::<(), Infallible>(())
+        },
+    );
+    results
 }
 
 /// Does it all on this thread.
