@@ -1,5 +1,6 @@
 //! `patchcord replay`
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::thread;
 
@@ -7,7 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::failure::Failure;
-use super::files::{prepare, put, written};
+use super::files::{places, prepare, put, written};
 use super::progress::Bar;
 use super::table::Table;
 use super::{say, say_json};
@@ -47,14 +48,17 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     let (drawn, examined) = performed(&figures, &claims)?;
     let exhibits: Vec<_> =
         figures.iter().zip(&drawn).map(|(figure, drawn)| Exhibit::new(figure, drawn, &examined)).collect();
-    let mut files = Vec::new();
-    if let Some((path, format)) = plot {
-        draw(&drawn[0], &path, format)?;
-        files.push(path);
-    }
+    let mut outputs: Vec<_> = plot
+        .into_iter()
+        .map(|(path, format)| Output { path, content: Content::Drawn(&drawn[0], format) })
+        .collect();
     if let Some(folder) = &arguments.out {
-        files.extend(write(folder, &exhibits, &examined)?);
+        outputs.extend(in_folder(folder, &exhibits, &examined));
     }
+    let files: Vec<_> = outputs.iter().map(|output| output.path.clone()).collect();
+    places(files.iter())?;
+    prepare(None, files.iter())?;
+    outputs.iter().try_for_each(Output::write)?;
     if arguments.json {
         return say_json(&document(&exhibits, &examined, &files));
     }
@@ -121,28 +125,41 @@ fn performed(figures: &[&'static Figure], claims: &[Claim]) -> Result<(Vec<Drawn
     outcome.map_err(|error| Failure::data(error.to_string()))
 }
 
-/// Writes pictures, patches and the page, and tells which files these are.
-fn write(folder: &Path, exhibits: &[Exhibit<'_>], examined: &[Examined]) -> Result<Vec<PathBuf>, Failure> {
-    let mut files = Vec::new();
-    for exhibit in exhibits {
-        let picture = folder.join(exhibit.picture());
-        draw(exhibit.drawn, &picture, Format::Svg)?;
-        files.push(picture);
-        for patch in &exhibit.drawn.patches {
-            let path = folder.join(patch.file());
-            put(&path, patch.text().as_bytes())?;
-            files.push(path);
-        }
-    }
-    let page = folder.join("index.html");
-    put(&page, replay::gallery(exhibits, examined).as_bytes())?;
-    files.push(page);
-    Ok(files)
+/// A file to be written.
+struct Output<'a> {
+    path: PathBuf,
+    content: Content<'a>,
 }
 
-fn draw(drawn: &Drawn, path: &Path, format: Format) -> Result<(), Failure> {
-    let bytes = drawn.render(format).map_err(|error| Failure::data(error.to_string()))?;
-    put(path, &bytes)
+/// What stands in it.
+enum Content<'a> {
+    Drawn(&'a Drawn, Format),
+    Text(Cow<'a, str>),
+}
+
+impl Output<'_> {
+    fn write(&self) -> Result<(), Failure> {
+        match &self.content {
+            Content::Text(text) => put(&self.path, text.as_bytes()),
+            Content::Drawn(drawn, format) => {
+                let bytes = drawn.render(*format).map_err(|error| Failure::data(error.to_string()))?;
+                put(&self.path, &bytes)
+            }
+        }
+    }
+}
+
+/// Pictures, patches and the page, as they are written into a folder.
+fn in_folder<'a>(folder: &Path, exhibits: &'a [Exhibit<'a>], examined: &[Examined]) -> Vec<Output<'a>> {
+    let output = |name: &str, content| Output { path: folder.join(name), content };
+    let of_exhibit = |exhibit: &'a Exhibit<'a>| {
+        let picture = output(&exhibit.picture(), Content::Drawn(exhibit.drawn, Format::Svg));
+        let patches = exhibit.drawn.patches.iter();
+        let patches = patches.map(|patch| output(patch.file(), Content::Text(patch.text().into())));
+        [picture].into_iter().chain(patches).collect::<Vec<_>>()
+    };
+    let page = output("index.html", Content::Text(replay::gallery(exhibits, examined).into()));
+    exhibits.iter().flat_map(of_exhibit).chain([page]).collect()
 }
 
 /// Figures with their claims, a few lines each.

@@ -28,7 +28,7 @@ pub enum EditError {
     /// A path on which something other than the last key is missing, or is no object.
     #[error("there is no {0} in the document")]
     NoPlace(String),
-    /// Two edits of which one lies within the other, or of the same place.
+    /// Two edits of one place, there or not, or of which one lies within the other.
     #[error("{0} is edited twice")]
     Twice(String),
     /// What comes out is no document.
@@ -41,7 +41,6 @@ struct Patchwork {
     start: usize,
     end: usize,
     text: String,
-    path: String,
 }
 
 impl Patch {
@@ -53,11 +52,11 @@ impl Patch {
     pub fn edited(&self, file: &str, edits: &[Edit]) -> Result<Patch, EditError> {
         let root = tree::parse(self.text());
         let root = root.map_err(|finding| Box::new(Report::new(self.file(), self.text(), vec![finding])))?;
-        let mut pieces = edits.iter().map(|edit| piece(&root, edit)).collect::<Result<Vec<_>, _>>()?;
+        check_apart(edits)?;
+        let mut opened = Vec::new();
+        let pieces = edits.iter().map(|edit| piece(&root, edit, &mut opened));
+        let mut pieces = pieces.collect::<Result<Vec<_>, _>>()?;
         pieces.sort_by_key(|piece| piece.start);
-        if let Some(pair) = pieces.windows(2).find(|pair| pair[1].start < pair[0].end) {
-            return Err(EditError::Twice(pair[1].path.clone()));
-        }
         let mut text = self.text().to_owned();
         // From the end, so that what stands before keeps its place.
         for piece in pieces.iter().rev() {
@@ -67,25 +66,40 @@ impl Patch {
     }
 }
 
-fn piece(root: &Node, edit: &Edit) -> Result<Patchwork, EditError> {
-    let path = edit.path.join("/");
-    let nowhere = || EditError::NoPlace(path.clone());
+/// Refuses two edits of one place, and one within another.
+fn check_apart(edits: &[Edit]) -> Result<(), EditError> {
+    let is_twice = |(index, edit): &(usize, &Edit)| {
+        let stood_before = edits[..*index].iter().any(|other| other.path == edit.path);
+        let holds = |other: &Edit| other.path.len() < edit.path.len() && edit.path.starts_with(&other.path);
+        stood_before || edits.iter().any(holds)
+    };
+    match edits.iter().enumerate().find(is_twice) {
+        Some((_, edit)) => Err(EditError::Twice(edit.path.join("/"))),
+        None => Ok(()),
+    }
+}
+
+/// What an edit does to the text. `opened` holds where the empty objects begin into which something was put before.
+fn piece(root: &Node, edit: &Edit, opened: &mut Vec<usize>) -> Result<Patchwork, EditError> {
+    let nowhere = || EditError::NoPlace(edit.path.join("/"));
     let (last, before) = edit.path.split_last().ok_or_else(nowhere)?;
     let object = before.iter().try_fold(root, |node, key| child(node, key)).ok_or_else(nowhere)?;
     let Content::Object(entries) = &object.value else { return Err(nowhere()) };
     let text = written(&edit.value);
-    Ok(match (child(object, last), entries.last()) {
-        (Some(node), _) => Patchwork { start: node.span.start, end: node.span.end, text, path },
-        (None, Some(before)) => {
-            let at = before.value.span.end;
-            let text = format!(", {}: {text}", Value::from(last.as_str()));
-            Patchwork { start: at, end: at, text, path }
-        }
-        (None, None) => {
-            let text = format!("{{{}: {text}}}", Value::from(last.as_str()));
-            Patchwork { start: object.span.start, end: object.span.end, text, path }
-        }
-    })
+    if let Some(node) = child(object, last) {
+        return Ok(Patchwork { start: node.span.start, end: node.span.end, text });
+    }
+    let text = format!("{}: {text}", Value::from(last.as_str()));
+    if let Some(before) = entries.last() {
+        let at = before.value.span.end;
+        return Ok(Patchwork { start: at, end: at, text: format!(", {text}") });
+    }
+    let [start, end] = [object.span.start + 1, object.span.end - 1];
+    if opened.contains(&start) {
+        return Ok(Patchwork { start: end, end, text: format!(", {text}") });
+    }
+    opened.push(start);
+    Ok(Patchwork { start, end, text })
 }
 
 fn child<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
@@ -160,6 +174,20 @@ mod tests {
     }
 
     #[test]
+    fn several_keys_come_into_one_object_in_their_order() {
+        let text = |empty: &str| {
+            let old = TEXT.replace("{}", empty);
+            let keys = ["empty/b", "run/every", "empty/a", "run/step", "empty/c"];
+            let edits: Vec<_> = keys.iter().map(|key| Edit::new(key, 1)).collect();
+            Patch::parse("old.json", &old).unwrap().edited("new.json", &edits).unwrap().text().to_owned()
+        };
+        for empty in ["{}", "{ }"] {
+            assert!(text(empty).contains(r#""run": {"for": 8, "every": 1, "step": 1},"#), "{}", text(empty));
+            assert!(text(empty).contains(r#""empty": {"b": 1, "a": 1, "c": 1}"#), "{}", text(empty));
+        }
+    }
+
+    #[test]
     fn what_leads_nowhere_or_meets_another_edit_is_refused() {
         let told = |edits: &[Edit]| edited(edits).unwrap_err().to_string();
         assert_eq!(
@@ -170,5 +198,9 @@ mod tests {
         let within = [Edit::new("parameters/K", json!({})), Edit::new("parameters/K/value", 1)];
         assert_eq!(told(&within), "parameters/K/value is edited twice");
         assert_eq!(told(&[Edit::new("run/for", 1), Edit::new("run/for", 2)]), "run/for is edited twice");
+        for missing in ["run/every", "empty/key"] {
+            let twice = [Edit::new(missing, 1), Edit::new("patchcord", 1), Edit::new(missing, 1)];
+            assert_eq!(told(&twice), format!("{missing} is edited twice"));
+        }
     }
 }

@@ -36,6 +36,21 @@ fn a_figure_comes_with_its_picture_its_patch_and_a_page() {
 }
 
 #[test]
+fn no_file_is_written_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let (into, plot) = (path(&folder, "out"), path(&folder, "out/fig-4-10.svg"));
+    let twice = patchcord(&["replay", "fig-4-10", "--out", &into, "--plot", &plot]);
+    assert_eq!((code(&twice), out(&twice).as_str()), (2, ""));
+    assert!(errors(&twice).contains("fig-4-10.svg would be written twice"), "{}", errors(&twice));
+    assert_eq!(fs::read_dir(&into).unwrap().count(), 0);
+    let beside = patchcord(&["replay", "fig-4-10", "--out", &into, "--plot", &path(&folder, "out/b.png")]);
+    assert_eq!(code(&beside), 0, "{}", errors(&beside));
+    let names = ["b.png", "fig-4-10.svg", "index.html"]
+        .map(|name| fs::metadata(path(&folder, &format!("out/{name}"))));
+    assert!(names.iter().all(Result::is_ok));
+}
+
+#[test]
 fn the_document_holds_figures_and_claims() {
     let document = json(&patchcord(&["replay", "fig-8-34", "--json"]));
     let figure = &document["figures"][0];
