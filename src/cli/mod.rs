@@ -13,6 +13,7 @@ mod load;
 mod machines;
 mod man;
 mod new;
+mod numbers;
 mod overloads;
 mod phases;
 mod profile;

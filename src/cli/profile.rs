@@ -7,13 +7,15 @@ use clap::Args;
 use super::failure::Failure;
 use super::files::{check_apart, prepare, put, written};
 use super::load::{Loaded, PatchArguments, document};
+use super::numbers::above_zero;
 use super::profile_report::{self, Read};
 use super::run::watched;
 use super::times::{TimeArguments, refused};
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{
-    Criterion, Drawn, ProfileCriterion, critical_range, parameter_line, profile_picture, velocity_profile,
+    Criterion, Drawn, NoCriticalVelocity, ProfileCriterion, ProfileError, Way, critical_range,
+    parameter_line, profile_picture, velocity_profile,
 };
 use patchcord::patch::suggestion;
 use patchcord::plot::{self, Format, Size};
@@ -38,6 +40,9 @@ pub(super) struct Arguments {
     /// A velocity up to this is standstill, in the unit of the signals (half of the threshold)
     #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = above_zero)]
     standstill: Option<f64>,
+    /// Read the way back, on which the command falls from its largest value
+    #[arg(long)]
+    falling: bool,
     /// Draw the profile with its points and sections; SVG or PNG by the name of the file
     #[arg(long, value_name = "FILE.svg|png")]
     plot: Option<PathBuf>,
@@ -49,11 +54,6 @@ fn pair(text: &str) -> Result<[String; 2], String> {
     two.ok_or_else(|| {
         "two names are wanted, the commanded and the actual velocity, such as v_i,v_o".to_owned()
     })
-}
-
-fn above_zero(text: &str) -> Result<f64, String> {
-    let number = text.trim().parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
-    number.ok_or_else(|| "a number above 0 is wanted".to_owned())
 }
 
 pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
@@ -70,7 +70,7 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     prepare(None, files())?;
     let trace = watched(&program, &settings)
         .map_err(|stopped| refused(&stopped.error, &circuit, arguments.times.is_to_blame(&stopped.error)))?;
-    let read = arguments.read(&trace)?;
+    let read = arguments.read(&trace, &settings.record)?;
     if let Some((path, format)) = arguments.plot.as_ref().zip(format) {
         let picture = picture(&read, &circuit);
         let bytes = plot::render(&[picture], format, Size::default());
@@ -104,22 +104,23 @@ impl Arguments {
         Ok(settings)
     }
 
-    /// The profile of the last run.
-    fn read(&self, trace: &Trace) -> Result<Read, Failure> {
-        let [command, velocity] = self.signals.each_ref().map(|name| trace.track(name));
-        let both = command.zip(velocity).ok_or_else(|| Failure::data("nothing was recorded"));
+    /// The profile of the last run, of the command and the velocity that were recorded.
+    fn read(&self, trace: &Trace, recorded: &[String]) -> Result<Read, Failure> {
+        let track = |which: usize| recorded.get(which).and_then(|name| trace.track(name));
+        let both = track(0).zip(track(1)).ok_or_else(|| Failure::data("nothing was recorded"));
         let (command, velocity) = both?;
         let criterion = self.criterion(command, velocity)?;
         let first = trace.sweeps.last().map_or(0, |sweep| sweep.first);
         let time = &trace.time[first..];
         let [commands, velocities] =
             [command, velocity].map(|track| track.values().skip(first).collect::<Vec<_>>());
-        let profile = velocity_profile(time, &commands, &velocities, criterion);
-        let profile = profile.map_err(|error| Failure::data(format!("no velocity profile: {error}")))?;
+        let profile = velocity_profile(time, &commands, &velocities, criterion, self.way());
+        let profile = profile.map_err(|error| self.unread(&error))?;
+        let range = critical_range(time, &commands, &velocities, criterion.oscillation);
         Ok(Read {
             names: [command.name.clone(), velocity.name.clone()],
             unit: command.unit.clone(),
-            range: critical_range(time, &commands, &velocities, criterion.oscillation).rising.ok(),
+            range: self.way().of([range.rising, range.falling]).ok(),
             values: [commands, velocities],
             criterion,
             profile,
@@ -140,8 +141,26 @@ impl Arguments {
             ))
         })?;
         let window = self.window.unwrap_or(Criterion::USUAL.window);
-        let standstill = self.standstill.unwrap_or(0.5 * threshold);
-        Ok(ProfileCriterion { oscillation: Criterion { threshold, window }, standstill })
+        let usual = ProfileCriterion::usual(Criterion { threshold, window });
+        Ok(ProfileCriterion { standstill: self.standstill.unwrap_or(usual.standstill), ..usual })
+    }
+
+    fn way(&self) -> Way {
+        if self.falling { Way::Falling } else { Way::Rising }
+    }
+
+    /// Why there is no profile, and which option helps.
+    fn unread(&self, error: &ProfileError) -> Failure {
+        let advice = match error {
+            ProfileError::Unreadable(NoCriticalVelocity::NoRise) if !self.falling => {
+                ": --falling reads one that falls"
+            }
+            ProfileError::Unreadable(NoCriticalVelocity::NoFall) => {
+                ": without --falling one is read that rises"
+            }
+            _ => "",
+        };
+        Failure::data(format!("no velocity profile: {error}{advice}"))
     }
 }
 

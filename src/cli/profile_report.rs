@@ -21,13 +21,6 @@ pub(super) struct Read {
     pub range: Option<CriticalInterval>,
 }
 
-const POINTS: [&str; 5] =
-    ["breaks away", "oscillation begins", "stick-slip begins", "stick-slip ends", "oscillation ends"];
-
-const SECTIONS: [&str; 4] = ["smooth sliding", "oscillation grows", "stick-slip", "oscillation dies away"];
-
-const LETTERS: [&str; 4] = ["A", "B", "C", "D"];
-
 impl Read {
     /// How values are shown: all in the same prefixed unit.
     fn shown(&self) -> Display {
@@ -37,18 +30,23 @@ impl Read {
 
     /// What there is to say of a point.
     fn remark(&self, index: usize, point: &ProfilePoint) -> String {
-        let shown = self.shown();
+        let (shown, way) = (self.shown(), self.profile.way);
+        let here = way.of(["from here on", "down to here"]);
+        let oscillates_beyond = self.profile.points[4].map_or(true, |end| end.coincides.is_none());
         let remark = match (index, self.profile.jump, self.range) {
-            (0, Some(jump), _) => format!("the velocity jumps to {}", shown.text(jump)),
+            (0, Some(jump), _) => {
+                let jumps = way.of(["the velocity jumps to", "a last slip reaches"]);
+                format!("{jumps} {}", shown.text(jump))
+            }
             (1, ..) => "the lower critical velocity".to_owned(),
-            (2, ..) => "from here on its cycles come down to standstill".to_owned(),
-            (3, ..) => "from here on it oscillates without standstill".to_owned(),
+            (2, ..) => format!("{here} its cycles come down to standstill"),
+            (3, ..) if oscillates_beyond => format!("{here} it oscillates without standstill"),
             (4, _, Some(range)) => range_told(range, &shown),
             _ => String::new(),
         };
-        let coincides =
-            point.coincides.map_or(String::new(), |other| format!("; coincides with point {other}"));
-        remark + &coincides
+        let coincides = point.coincides.map(|other| format!("coincides with point {other}"));
+        let told = [Some(remark).filter(|remark| !remark.is_empty()), coincides];
+        told.into_iter().flatten().collect::<Vec<_>>().join("; ")
     }
 }
 
@@ -57,7 +55,7 @@ pub(super) fn told(read: &Read) -> String {
     let criterion = read.criterion;
     let seconds = Display::new("", 1.0);
     format!(
-        "{}\n{}\nIt oscillates: {} swings by more than {}, peak to peak, within {} s. Standstill: up to {}.\n",
+        "{}\n{}\nOscillation: {} swings by more than {}, peak to peak, within {} s. Standstill: up to {}.\n",
         points_told(read, &shown),
         sections_told(read, &shown),
         read.names[1],
@@ -83,12 +81,13 @@ fn points_told(read: &Read, shown: &Display) -> String {
     let seconds = Display::new("", 1.0);
     let headings = ["point", "", &format!("{}, {}", read.names[0], shown.unit), "at s", ""];
     let mut table = Table::with(headings.map(str::to_owned));
+    let names = read.profile.way.points();
     for (index, point) in read.profile.points.iter().enumerate() {
         let [command, time, remark] = match point {
             Ok(point) => [shown.number(point.command), seconds.number(point.time), read.remark(index, point)],
             Err(why) => [String::new(), String::new(), format!("none: {why}")],
         };
-        table.row([(index + 1).to_string(), POINTS[index].to_owned(), command, time, remark]);
+        table.row([(index + 1).to_string(), names[index].to_owned(), command, time, remark]);
     }
     table.text()
 }
@@ -97,13 +96,14 @@ fn sections_told(read: &Read, shown: &Display) -> String {
     let [command, swing] = [&read.names[0], "swing"].map(|what| format!("{what}, {}", shown.unit));
     let headings = ["section", "", &command, "cycles", &swing, "Hz", ""];
     let mut table = Table::with(headings.map(str::to_owned));
+    let names = read.profile.way.sections();
     for (index, section) in read.profile.sections.iter().enumerate() {
         let [command, cycles, swing, frequency] =
             section.map_or_else(|_| Default::default(), |section| cells(&section, shown));
         let why = section.err().map_or(String::new(), |why| format!("none: {why}"));
         table.row([
-            LETTERS[index].to_owned(),
-            SECTIONS[index].to_owned(),
+            VelocityProfile::LETTERS[index].to_string(),
+            names[index].to_owned(),
             command,
             cycles,
             swing,
@@ -127,9 +127,9 @@ fn cells(section: &Section, shown: &Display) -> [String; 4] {
 
 pub(super) fn json(read: &Read) -> Value {
     let ProfileCriterion { oscillation, standstill } = read.criterion;
-    let points = read.profile.points.iter().enumerate().map(|(index, point)| point_json(index, point));
-    let sections =
-        read.profile.sections.iter().enumerate().map(|(index, section)| section_json(index, section));
+    let VelocityProfile { way, points, sections, jump } = &read.profile;
+    let points = points.iter().zip(way.points()).enumerate().map(point_json);
+    let sections = sections.iter().zip(way.sections()).zip(VelocityProfile::LETTERS).map(section_json);
     json!({ "profile": {
         "command": read.names[0],
         "velocity": read.names[1],
@@ -137,15 +137,16 @@ pub(super) fn json(read: &Read) -> Value {
         "threshold": oscillation.threshold,
         "window": oscillation.window,
         "standstill": standstill,
-        "jump": read.profile.jump,
+        "way": way.of(["rising", "falling"]),
+        "jump": jump,
         "points": points.collect::<Value>(),
         "sections": sections.collect::<Value>(),
         "critical_velocity": read.range.map(range_json),
     }})
 }
 
-fn point_json(index: usize, point: &Result<ProfilePoint, Absent>) -> Value {
-    let (number, what) = (index + 1, POINTS[index]);
+fn point_json((index, (point, what)): (usize, (&Result<ProfilePoint, Absent>, &str))) -> Value {
+    let number = index + 1;
     match point {
         Ok(point) => json!({
             "point": number, "what": what, "there": true,
@@ -155,8 +156,7 @@ fn point_json(index: usize, point: &Result<ProfilePoint, Absent>) -> Value {
     }
 }
 
-fn section_json(index: usize, section: &Result<Section, Absent>) -> Value {
-    let (letter, what) = (LETTERS[index], SECTIONS[index]);
+fn section_json(((section, what), letter): ((&Result<Section, Absent>, &str), char)) -> Value {
     match section {
         Ok(section) => json!({
             "section": letter, "what": what, "there": true,

@@ -7,6 +7,7 @@ use clap::Args;
 use super::failure::Failure;
 use super::files::{places, prepare, put, written};
 use super::load::setting;
+use super::numbers::above_zero;
 use super::slideway_report::{self as report, criterion_told};
 use super::times::{FinenessArguments, with_advice};
 use super::{say, say_json};
@@ -70,12 +71,6 @@ pub(super) struct Arguments {
 fn percent(text: &str) -> Result<f64, String> {
     let percent = above_zero(text)?;
     if percent < 100.0 { Ok(percent) } else { Err("less than 100 % is wanted".to_owned()) }
-}
-
-fn above_zero(text: &str) -> Result<f64, String> {
-    let number: f64 =
-        text.trim().parse().map_err(|_| format!("\"{text}\" is not a number: leave out its unit"))?;
-    if number > 0.0 && number.is_finite() { Ok(number) } else { Err("a number above 0 is wanted".to_owned()) }
 }
 
 /// Two pictures one below the other, each of this size.

@@ -82,10 +82,21 @@ pub fn critical_velocity(
     velocity: &[f64],
     criterion: Criterion,
 ) -> CriticalVelocity {
-    match Profile::new(time, command, velocity, criterion) {
-        Ok(profile) => CriticalVelocity { rising: profile.rising(), falling: profile.falling() },
-        Err(error) => CriticalVelocity { rising: Err(error), falling: Err(error) },
-    }
+    let found = critical_samples(time, command, velocity, criterion);
+    let [rising, falling] = found.unwrap_or_else(|error| [Err(error); 2]);
+    let at = |sample: Result<usize, _>| sample.map(|sample| command[sample]);
+    CriticalVelocity { rising: at(rising), falling: at(falling) }
+}
+
+/// The samples at which the command is a critical velocity, rising and falling.
+pub(super) fn critical_samples(
+    time: &[f64],
+    command: &[f64],
+    velocity: &[f64],
+    criterion: Criterion,
+) -> Result<[Result<usize, NoCriticalVelocity>; 2], NoCriticalVelocity> {
+    let profile = Profile::new(time, command, velocity, criterion)?;
+    Ok([profile.rising(), profile.falling()])
 }
 
 struct Profile<'a> {
@@ -121,7 +132,7 @@ impl<'a> Profile<'a> {
         Ok(Profile { command, speed, turn, oscillates, span })
     }
 
-    fn rising(&self) -> Result<f64, NoCriticalVelocity> {
+    fn rising(&self) -> Result<usize, NoCriticalVelocity> {
         if self.turn == 0 || !rises(self.speed[..=self.turn].iter()) {
             return Err(NoCriticalVelocity::NoRise);
         }
@@ -132,10 +143,10 @@ impl<'a> Profile<'a> {
             return Err(NoCriticalVelocity::NotEnded(self.command[self.turn]));
         }
         // Breaking away once, and what rings behind it, is no oscillation.
-        if last - first < REST * self.span { Err(NoCriticalVelocity::Quiet) } else { Ok(self.command[last]) }
+        if last - first < REST * self.span { Err(NoCriticalVelocity::Quiet) } else { Ok(last) }
     }
 
-    fn falling(&self) -> Result<f64, NoCriticalVelocity> {
+    fn falling(&self) -> Result<usize, NoCriticalVelocity> {
         let forward = self.speed[self.turn..].iter().take_while(|speed| **speed >= 0.0).count();
         let end = (self.turn + forward).min(self.oscillates.len());
         let falls = rises(self.speed[self.turn..self.turn + forward].iter().rev());
@@ -147,7 +158,7 @@ impl<'a> Profile<'a> {
             return Err(NoCriticalVelocity::NotBegun);
         }
         let first = self.oscillates[self.turn..end].iter().position(|oscillates| *oscillates);
-        first.map(|after| self.command[self.turn + after]).ok_or(NoCriticalVelocity::Quiet)
+        first.map(|after| self.turn + after).ok_or(NoCriticalVelocity::Quiet)
     }
 }
 

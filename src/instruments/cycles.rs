@@ -74,32 +74,48 @@ pub fn cycles(
     }
     let steadiness = Steadiness::new(command, velocity, samples_in(time, criterion)?, criterion.threshold);
     let off: Vec<f64> = velocity.iter().zip(command).map(|(actual, wanted)| actual - wanted).collect();
+    let signals = Signals { time, command, velocity, off: &off };
     let rises = rises(time, &off, criterion.threshold);
-    let mut found = Vec::new();
-    for pair in rises.windows(2) {
-        let within = Range {
-            start: time.partition_point(|instant| *instant < pair[0]),
-            end: time.partition_point(|instant| *instant < pair[1]),
-        };
-        if steadiness.first_rest(within.clone()).is_some() {
-            continue;
+    let pairs = rises.windows(2).map(|pair| (signals.within(pair[0], pair[1]), [pair[0], pair[1]]));
+    let oscillating = pairs.filter(|(within, _)| steadiness.first_rest(within.clone()).is_none());
+    let found =
+        oscillating.map(|(within, ends)| signals.cycle(within, ends)).collect::<Result<Vec<_>, _>>()?;
+    if found.is_empty() { Err(CyclesError::Quiet) } else { Ok(found) }
+}
+
+/// What cycles are read off.
+struct Signals<'a> {
+    time: &'a [f64],
+    command: &'a [f64],
+    velocity: &'a [f64],
+    /// The velocity less the command.
+    off: &'a [f64],
+}
+
+impl Signals<'_> {
+    /// The samples from one instant on and before another.
+    fn within(&self, begin: f64, end: f64) -> Range<usize> {
+        let first_from = |begin: f64| self.time.partition_point(|instant| *instant < begin);
+        first_from(begin)..first_from(end)
+    }
+
+    /// The cycle between two instants, which has these samples.
+    fn cycle(&self, samples: Range<usize>, [begin, end]: [f64; 2]) -> Result<Cycle, CyclesError> {
+        if samples.len() < FEWEST_SAMPLES {
+            return Err(CyclesError::TooCoarse(samples.len()));
         }
-        if within.len() < FEWEST_SAMPLES {
-            return Err(CyclesError::TooCoarse(within.len()));
-        }
-        let [lowest, highest] = extremes(&time[within.clone()], &off[within.clone()]);
-        let [least, most] = extremes(&time[within.clone()], &velocity[within]);
-        found.push(Cycle {
-            begin: pair[0],
-            end: pair[1],
-            command: mean(&cut(time, command, [pair[0], pair[1]])),
-            frequency: 1.0 / (pair[1] - pair[0]),
+        let extremes = |values: &[f64]| extremes(&self.time[samples.clone()], &values[samples.clone()]);
+        let ([lowest, highest], [least, most]) = (extremes(self.off), extremes(self.velocity));
+        Ok(Cycle {
+            begin,
+            end,
+            command: mean(&cut(self.time, self.command, [begin, end])),
+            frequency: 1.0 / (end - begin),
             amplitude: 0.5 * (highest - lowest),
             least,
             most,
-        });
+        })
     }
-    if found.is_empty() { Err(CyclesError::Quiet) } else { Ok(found) }
 }
 
 fn extremes(time: &[f64], values: &[f64]) -> [f64; 2] {

@@ -94,8 +94,8 @@ pub fn friction_loop(
         return Err(FrictionLoopError::NoCycle);
     }
     let rises = rises(time, velocity, threshold);
-    let first = rises.len().checked_sub(cycles + 1);
-    let first = first.ok_or(FrictionLoopError::TooFewCycles(rises.len().saturating_sub(1), cycles))?;
+    let whole = rises.len().saturating_sub(1);
+    let first = whole.checked_sub(cycles).ok_or(FrictionLoopError::TooFewCycles(whole, cycles))?;
     let [begin, end] = [rises[first], rises[rises.len() - 1]];
     let (velocity, force) = (cut(time, velocity, [begin, end]), cut(time, force, [begin, end]));
     let samples = velocity.len().saturating_sub(2) as f64 / cycles as f64;
@@ -226,6 +226,7 @@ mod tests {
         assert_eq!(with(&[1.0; 1000], 1, 0.1), Err(TooFewCycles(0, 1)));
         assert_eq!(with(&time, 1, 0.1), Err(TooFewCycles(0, 1)));
         assert_eq!(with(&wave, 9, 0.1), Err(TooFewCycles(3, 9)));
+        assert_eq!(with(&wave, usize::MAX, 0.1), Err(TooFewCycles(3, usize::MAX)));
         assert_eq!(with(&wave, 1, 3.0), Err(TooFewCycles(0, 1)));
         assert_eq!(with(&wave, 0, 0.1), Err(NoCycle));
         assert_eq!(with(&wave, 1, 0.0), Err(BadThreshold(0.0)));

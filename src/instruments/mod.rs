@@ -5,6 +5,7 @@ mod critical_velocity;
 mod cut;
 mod cycles;
 mod family;
+mod first_oscillation;
 mod friction_loop;
 mod harmonic;
 mod log;
@@ -12,7 +13,6 @@ mod measure;
 mod oscillation;
 mod parameters;
 mod profile;
-mod profile_picture;
 mod quantity;
 mod ringing;
 mod scope;
@@ -26,6 +26,7 @@ mod window;
 pub use critical_range::{CriticalInterval, CriticalRange, critical_range};
 pub use critical_velocity::{Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity};
 pub use cycles::{Cycle, CyclesError, cycles};
+pub use first_oscillation::{FirstOscillation, NoFirstOscillation, first_oscillation};
 pub use friction_loop::{FrictionLoop, FrictionLoopError, Turning, friction_loop};
 pub use harmonic::{Harmonic, HarmonicError, harmonic};
 pub use log::{deed, ending, missed};
@@ -33,9 +34,9 @@ pub use measure::{Cell, Column, Measure, MeasureError, measures};
 pub use oscillation::{Oscillation, OscillationError, oscillation};
 pub use parameters::parameter_line;
 pub use profile::{
-    Absent, ProfileCriterion, ProfileError, ProfilePoint, Section, VelocityProfile, velocity_profile,
+    Absent, Drawn, ProfileCriterion, ProfileError, ProfilePoint, Section, VelocityProfile, Way,
+    profile_picture, velocity_profile,
 };
-pub use profile_picture::{Drawn, profile_picture};
 pub use quantity::Display;
 pub use ringing::{Ringing, RingingError, ringing};
 pub use scope::{ScopeError, picture};

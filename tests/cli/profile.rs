@@ -10,6 +10,9 @@ const PAGE: &str = "docs/profile.md";
 /// Solid friction that falls slowly: oscillation without standstill.
 const SLOW_FALL: [&str; 8] =
     ["profile", FIG_8_16, "--set", "VcL=12.7e-3", "--set", "Tc=0.009", "--set", "v_rate=2.4e-3"];
+/// There and back again.
+const FALLING: [&str; 9] =
+    ["profile", FIG_8_16, "--set", "VcL=5.08e-3", "--set", "v_turn=7", "--for", "14", "--falling"];
 
 /// What a command prints of points and sections.
 fn printed(arguments: &[&str]) -> String {
@@ -21,7 +24,7 @@ fn printed(arguments: &[&str]) -> String {
 fn the_page_shows_what_the_command_prints() {
     let page = fs::read_to_string(PAGE).unwrap();
     let mut fresh = page.clone();
-    for (index, command) in [&["profile", FIG_8_16][..], &SLOW_FALL].into_iter().enumerate() {
+    for (index, command) in [&["profile", FIG_8_16][..], &SLOW_FALL, &FALLING].into_iter().enumerate() {
         assert!(page.contains(&format!("    patchcord {}", command.join(" "))), "{command:?}");
         let block = fresh.split("```text\n").nth(index + 1).and_then(|rest| rest.split("```").next());
         let block = format!("```text\n{}```", block.unwrap());
@@ -42,7 +45,14 @@ fn points_and_sections_are_drawn_and_told() {
     assert_eq!((code(&done), errors(&done).as_str()), (0, ""));
     assert!(out(&done).ends_with(&format!("\nwrote {svg}\n")), "{}", out(&done));
     let picture = fs::read_to_string(&svg).unwrap();
-    for part in ["velocity profile", "1, 2, 3", "C stick-slip", "D dies away", "v_o, mm/s", "VcL 2.54 mm/s"] {
+    for part in [
+        "velocity profile",
+        "1, 2, 3",
+        "C stick-slip",
+        "D oscillation dies away",
+        "v_o, mm/s",
+        "VcL 2.54 mm/s",
+    ] {
         assert!(picture.contains(part), "{part}");
     }
     assert_eq!(code(&patchcord(&["profile", FIG_8_16, "--plot", &png])), 0);
@@ -76,6 +86,46 @@ fn a_document_tells_what_is_there_and_why_the_rest_is_not() {
     let document = json(&patchcord(&["profile", FIG_8_16, "--for", "2", "--json"]));
     assert_eq!(point(&document, 5)["why"], "it goes on up to the end of the ramp");
     assert!(document["profile"]["critical_velocity"].is_null());
+}
+
+#[test]
+fn the_way_back_has_the_falling_critical_velocity() {
+    let document = json(&patchcord(&[&FALLING[..], &["--json"]].concat()));
+    let profile = &document["profile"];
+    assert_eq!(
+        (&profile["way"], &point(&document, 5)["what"]),
+        (&"falling".into(), &"oscillation begins".into())
+    );
+    let coincide: Vec<_> = (1..=3).map(|number| point(&document, number)["coincides"].clone()).collect();
+    assert_eq!(coincide, [Value::Null, 1.into(), 2.into()]);
+    let (upper, rest) = (point(&document, 5), point(&document, 1));
+    assert!(upper["t"].as_f64() < rest["t"].as_f64() && rest["command"].as_f64() < upper["command"].as_f64());
+    let measures = ["critical_velocity", "first_oscillation", "profile_falling", "profile"];
+    let options: Vec<_> = measures.iter().flat_map(|measure| ["--measure", measure]).collect();
+    let run = ["sweep", FIG_8_16, "--vary", "VcL=5.08e-3", "--set", "v_turn=7", "--for", "14"];
+    let rows = out(&patchcord(&[&run[..], &options].concat()));
+    let cells: Vec<f64> =
+        rows.lines().last().unwrap().split(',').filter_map(|cell| cell.parse().ok()).collect();
+    let [_, rising, falling, first, begins] = cells[..5] else { panic!("{rows}") };
+    let (back, forth) = (&cells[5..10], &cells[10..15]);
+    assert_eq!((upper["command"].as_f64(), begins, back[4]), (Some(falling), falling, falling));
+    assert_eq!((forth[1], forth[4]), (first, rising));
+    assert!(profile["critical_velocity"]["value"].as_f64() == Some(falling) && falling < rising);
+    let told = printed(&FALLING[..FALLING.len() - 1]);
+    let page = fs::read_to_string(PAGE).unwrap();
+    for number in ["9.92", "5.207"] {
+        assert!(told.contains(number) && page.contains(number), "{told}");
+    }
+}
+
+#[test]
+fn ports_of_instances_are_signals() {
+    let lags = "tests/patches/lags-in-macros.json";
+    let ports = ["--signals", "W.between,L.minus", "--threshold", "100", "--every", "1e-3"];
+    let done = patchcord(&[&["profile", lags], &ports[..], &["--json"]].concat());
+    let profile = &json(&done)["profile"];
+    assert_eq!((&profile["command"], &profile["velocity"]), (&"W.first.A1".into(), &"L.B1".into()));
+    assert_eq!(profile["points"][4]["why"], "it does not oscillate");
 }
 
 #[test]
@@ -120,11 +170,21 @@ fn what_is_no_profile_is_refused_with_what_helps() {
     );
     refused(&[FIG_8_16, "--signals", "x_error,x_error"], 2, "x_error is in m, no velocity: give --threshold");
     for option in ["--threshold", "--window", "--standstill"] {
-        for value in ["0", "-1", "nan", "inf", "wide"] {
+        for value in ["0", "-1", "nan", "inf"] {
             refused(&[FIG_8_16, option, value], 2, "a number above 0 is wanted");
         }
+        refused(&[FIG_8_16, option, "1mm"], 2, "\"1mm\" is not a number: leave out its unit");
     }
-    refused(&[FIG_8_16, "--set", "v_rate=0"], 1, "no velocity profile: the command does not rise steadily");
+    refused(
+        &[FIG_8_16, "--set", "v_rate=0"],
+        1,
+        "the command does not rise steadily: --falling reads one that falls",
+    );
+    refused(
+        &[FIG_8_16, "--falling"],
+        1,
+        "the command does not fall steadily: without --falling one is read that rises",
+    );
     refused(&[FIG_8_16, "--set", "v_rate=0.02"], 1, "no velocity profile: the command alone changes by");
     refused(&[FIG_8_16, "--window", "9"], 1, "the window of 9 s is longer than the run");
     refused(&[FIG_8_16, "--every", "0.01"], 1, "4 samples stand in a window: at least 8 are needed");

@@ -5,7 +5,7 @@ use super::super::oscillation::{Oscillation, oscillation_within};
 use super::super::voltmeter::{Reading, readings};
 use super::{Cell, Measure};
 use crate::instruments::{
-    self, Criterion, CriticalInterval, FrictionLoop, NoCriticalVelocity, ProfileCriterion,
+    self, Criterion, CriticalInterval, FrictionLoop, NoCriticalVelocity, ProfileCriterion, Way,
 };
 use crate::patch::{Unit, told};
 use crate::trace::{Trace, Track};
@@ -146,11 +146,30 @@ pub(super) fn critical_velocity_range(run: &Run<'_>) -> Cells {
     [cells(found.rising), cells(found.falling)].concat()
 }
 
+/// The same with the third option, or what is usual with the first.
+fn profile_criterion(run: &Run<'_>) -> ProfileCriterion {
+    let usual = ProfileCriterion::usual(criterion(run));
+    ProfileCriterion { standstill: run.measure.option(2).unwrap_or(usual.standstill), ..usual }
+}
+
+pub(super) fn first_oscillation(run: &Run<'_>) -> Cells {
+    let found =
+        instruments::first_oscillation(run.time(), &run.values(0), &run.values(1), profile_criterion(run));
+    [found.rising, found.falling].map(|point| number(point.map(|point| point.command))).to_vec()
+}
+
 pub(super) fn profile(run: &Run<'_>) -> Cells {
-    let oscillation = criterion(run);
-    let standstill = run.measure.option(2).unwrap_or(0.5 * oscillation.threshold);
-    let criterion = ProfileCriterion { oscillation, standstill };
-    match instruments::velocity_profile(run.time(), &run.values(0), &run.values(1), criterion) {
+    points(run, Way::Rising)
+}
+
+pub(super) fn profile_falling(run: &Run<'_>) -> Cells {
+    points(run, Way::Falling)
+}
+
+/// The commands at the points of the profile.
+fn points(run: &Run<'_>, way: Way) -> Cells {
+    let criterion = profile_criterion(run);
+    match instruments::velocity_profile(run.time(), &run.values(0), &run.values(1), criterion, way) {
         Ok(profile) => profile.points.map(|point| number(point.map(|point| point.command))).to_vec(),
         Err(error) => vec![Err(error.to_string()); 5],
     }

@@ -80,6 +80,14 @@ impl Signals {
 }
 
 const SIGNAL: &[(&str, UnitOf)] = &[("", UnitOf::Signal)];
+const BOTH_WAYS: &[(&str, UnitOf)] = &[("_rising", UnitOf::Signal), ("_falling", UnitOf::Signal)];
+const POINTS: &[(&str, UnitOf)] = &[
+    ("_1", UnitOf::Signal),
+    ("_2", UnitOf::Signal),
+    ("_3", UnitOf::Signal),
+    ("_4", UnitOf::Signal),
+    ("_5", UnitOf::Signal),
+];
 
 pub(super) const TABLE: &[Entry] = &[
     Entry {
@@ -143,7 +151,7 @@ pub(super) const TABLE: &[Entry] = &[
         signals: Signals::Velocities(&["v_i", "v_o"]),
         options: &["threshold", "window"],
         is_sampled: true,
-        columns: &[("_rising", UnitOf::Signal), ("_falling", UnitOf::Signal)],
+        columns: BOTH_WAYS,
         read: read::critical_velocity,
     },
     Entry {
@@ -164,20 +172,34 @@ pub(super) const TABLE: &[Entry] = &[
         read: read::critical_velocity_range,
     },
     Entry {
+        name: "first_oscillation",
+        meaning: "the command at which oscillation first appears while it rises, and while it falls: points 2 and 5 of the velocity \
+                  profile of that way; one slip, and what rings behind it, is none",
+        signals: Signals::Velocities(&["v_i", "v_o"]),
+        options: &["threshold", "window", "standstill"],
+        is_sampled: true,
+        columns: BOTH_WAYS,
+        read: read::first_oscillation,
+    },
+    Entry {
         name: "profile",
         meaning: "the commands at points 1 to 5 of the velocity profile: it breaks away, oscillation begins, stick-slip \
                   begins and ends, oscillation ends; a velocity up to standstill (half of the threshold) is none",
         signals: Signals::Velocities(&["v_i", "v_o"]),
         options: &["threshold", "window", "standstill"],
         is_sampled: true,
-        columns: &[
-            ("_1", UnitOf::Signal),
-            ("_2", UnitOf::Signal),
-            ("_3", UnitOf::Signal),
-            ("_4", UnitOf::Signal),
-            ("_5", UnitOf::Signal),
-        ],
+        columns: POINTS,
         read: read::profile,
+    },
+    Entry {
+        name: "profile_falling",
+        meaning: "the commands at points 1 to 5 on the way back: it comes to rest, oscillation ends, stick-slip ends and begins, \
+                  oscillation begins",
+        signals: Signals::Velocities(&["v_i", "v_o"]),
+        options: &["threshold", "window", "standstill"],
+        is_sampled: true,
+        columns: POINTS,
+        read: read::profile_falling,
     },
     Entry {
         name: "friction_loop",
@@ -219,7 +241,7 @@ impl Entry {
                 names => format!("[{}]", names.join(",")),
             },
         };
-        let options = self.options.iter().map(|option| format!("[{option}=NUMBER]"));
+        let options = self.options.iter().map(|option| format!("[{option}=N]"));
         let all: Vec<_> = [signals].into_iter().chain(options).filter(|part| !part.is_empty()).collect();
         let colon = if all.is_empty() { "" } else { ":" };
         format!("{}{colon}{}", self.name, all.join(","))

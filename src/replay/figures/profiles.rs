@@ -1,7 +1,7 @@
 //! Chapters 2 and 4: velocity profiles, as chapter 4 explains them.
 
 use super::{Drawn, Figure, Recipe, titled, told};
-use crate::instruments::{self, Criterion, ProfileCriterion, profile_picture, velocity_profile};
+use crate::instruments::{self, Criterion, ProfileCriterion, Way, profile_picture, velocity_profile};
 use crate::replay::recipe::Problem;
 
 /// The figures, in their order.
@@ -60,17 +60,15 @@ fn three_kinds(figure: &Figure) -> Result<Drawn, Problem> {
 fn explained(figure: &Figure) -> Result<Drawn, Problem> {
     let run = figure.run(&Recipe::of("fig-8-16").set("VcL", 5.08e-3).picture("", "v_i", &["v_o"]), "")?;
     let [command, velocity] = [run.values("v_i")?, run.values("v_o")?];
-    let oscillation = Criterion::USUAL;
-    let criterion = ProfileCriterion { oscillation, standstill: 0.5 * oscillation.threshold };
-    let profile = velocity_profile(&run.trace.time, &command, &velocity, criterion)?;
+    let criterion = ProfileCriterion::usual(Criterion::USUAL);
+    let profile = velocity_profile(&run.trace.time, &command, &velocity, criterion, Way::Rising)?;
     let signal = |name, values| instruments::Drawn { name, unit: "m/s", values };
     let (along, up) = (signal("v_i", &command[..]), signal("v_o", &velocity[..]));
     let picture = profile_picture(figure.heading(), along, up, &profile, Some(run.settings()));
-    let names =
-        ["it breaks away", "oscillation begins", "stick-slip begins", "stick-slip ends", "oscillation ends"];
-    let points = profile.points.iter().zip(names).enumerate().filter_map(|(index, (point, name))| {
-        Some(format!("{} {name} at {}", index + 1, told(point.ok()?.command, "m/s")))
-    });
+    let points =
+        profile.points.iter().zip(profile.way.points()).enumerate().filter_map(|(index, (point, name))| {
+            Some(format!("{} {name} at {}", index + 1, told(point.ok()?.command, "m/s")))
+        });
     let reading = points.collect::<Vec<_>>().join(", ");
     Drawn::of_runs(&[&run], vec![picture], run.settings(), reading)
 }
