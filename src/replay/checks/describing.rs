@@ -19,6 +19,7 @@ use crate::slideway::units::{MM, MM_PER_S, N_S_PER_MM};
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "describing-reciprocal", run: reciprocal },
     Check { name: "describing-angle", run: angle },
+    Check { name: "angle-is-ratio", run: angle_is_ratio },
     Check { name: "cut-off-gain", run: gain },
     Check { name: "cut-off-integral", run: integral },
     Check { name: "branches-meet", run: branches_meet },
@@ -32,6 +33,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "open-loop-angle", run: open_loop_angle },
     Check { name: "at-angle", run: at_angle },
     Check { name: "limit-cycle", run: limit_cycle },
+    Check { name: "slope-by-frequency", run: slope_by_frequency },
     Check { name: "product-of-digits", run: product_of_digits },
     Check { name: "limit-cycle-sticks", run: sticks },
     Check { name: "ends-with-a-swing", run: ends_with_a_swing },
@@ -54,6 +56,17 @@ fn reciprocal(given: &Given) -> Result<Finding, CheckError> {
 /// The angle of N at E/a and n/a, in degrees.
 fn angle(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::Number(swing(given)?.angle()?.to_degrees()))
+}
+
+/// That the angle of N is that of n/E, whatever E/a.
+fn angle_is_ratio(given: &Given) -> Result<Finding, CheckError> {
+    let (ratio, mut told, mut holds) = (given.number("ratio")?, Vec::new(), true);
+    for force in given.numbers("E")? {
+        let angle = Swing { force, friction: ratio * force }.angle()?;
+        holds &= (angle.tan().abs() / ratio - 1.0).abs() < 1e-9;
+        told.push(format!("{:.3}", angle.tan()));
+    }
+    Ok(Finding::truth(holds, format!("tangents {} for n/E = {ratio}", told.join(", "))))
 }
 
 /// The share of a sine of E/a that passes (eq 56-9).
@@ -195,6 +208,18 @@ fn limit_cycle(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::Number(given.word("part", &parts)?))
 }
 
+/// That without memory the slope at every intersection is f (wn / w)^2, whatever the stiffness.
+fn slope_by_frequency(given: &Given) -> Result<Finding, CheckError> {
+    let (table, mut told, mut holds) = (table(given)?, Vec::new(), true);
+    for force in given.numbers("E")? {
+        let cycle = table.limit_cycle(force)?;
+        let by_frequency = table.damping * (table.natural_frequency()? / cycle.frequency).powi(2);
+        holds &= (cycle.slope / by_frequency - 1.0).abs() < 1e-9;
+        told.push(format!("{:.2} by {:.2}", cycle.slope / N_S_PER_MM, by_frequency / N_S_PER_MM));
+    }
+    Ok(Finding::truth(holds, format!("{} N s/mm", told.join(", "))))
+}
+
 /// Whether velocity comes to rest in the limit cycle with E/a.
 fn sticks(given: &Given) -> Result<Finding, CheckError> {
     let (_, motion) = cycle(given, &table(given)?, given.number("E")?)?;
@@ -203,11 +228,16 @@ fn sticks(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::shape(motion.sticks() == wanted, found))
 }
 
-/// Whether velocity still swings at E/a = 1, beyond which a command a thousandth faster has no limit cycle.
+/// Whether velocity still swings at E/a = 1, beyond which a command a thousandth faster has no limit cycle: friction falls too little.
 fn ends_with_a_swing(given: &Given) -> Result<Finding, CheckError> {
     let (table, friction) = (table(given)?, friction(given)?);
     let (_, motion) = cycle(given, &table, 1.0)?;
-    let is_last = oscillation_at(&table, &friction, motion.velocity * 1.001).is_err();
+    let faster = 1.001 * motion.velocity;
+    let has_none = matches!(
+        oscillation_at(&table, &friction, faster),
+        Err(SlidewayError::NoSolution { sought: "limit cycle", .. })
+    );
+    let is_last = has_none && friction.slope(faster)? < table.critical_slope()?;
     let found =
         format!("swings by {:.2} mm/s up to {:.2} mm/s", motion.swing / MM_PER_S, motion.velocity / MM_PER_S);
     Ok(Finding::shape(is_last && motion.swing > 0.0, found))

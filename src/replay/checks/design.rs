@@ -31,6 +31,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "design-trend", run: design_trend },
     Check { name: "design-trend-smaller", run: design_trend_smaller },
     Check { name: "design-oscillates", run: design_oscillates },
+    Check { name: "design-ends", run: design_ends },
     Check { name: "flank-simplified", run: flank_simplified },
     Check { name: "polar-and-thin", run: polar_and_thin },
     Check { name: "simulated-trend", run: simulated_trend },
@@ -239,6 +240,26 @@ fn design_oscillates(given: &Given) -> Result<Finding, CheckError> {
     let ratios = designs().map(ratio).collect::<Result<Vec<f64>, SlidewayError>>()?;
     let found = format!("left by right side {}", spanned(&ratios, ""));
     Ok(Finding::shape(ratios.iter().all(|ratio| *ratio > 1.0), found))
+}
+
+/// That the printed eq 93-9 comes to 0 where eq 94-9 holds, in every cell of Table T9-2 whose KLP is made so: a thousandth above it there
+/// is a critical velocity near 0, a thousandth below none.
+fn design_ends(_: &Given) -> Result<Finding, CheckError> {
+    let (equation, mut holds, mut strengths) = (DesignEquation::PRINTED, true, Vec::new());
+    for design in designs() {
+        let climb = equation.flank * design.interface.flank;
+        let hold = design.interface.polar / KGF_PER_MM2 + climb;
+        let edge = hold * equation.taken_off(&design)? - climb;
+        let at = |share: f64| {
+            let polar = share * edge * KGF_PER_MM2;
+            equation
+                .critical_velocity(&Design { interface: Interface { polar, ..design.interface }, ..design })
+        };
+        let is_small = at(1.001)? < 0.002 * equation.limit(&design)?;
+        holds &= is_small && matches!(at(0.999), Err(SlidewayError::NoSolution { .. }));
+        strengths.push(edge);
+    }
+    Ok(Finding::truth(holds, format!("where KLP is {}", spanned(&strengths, " kgf/mm2"))))
 }
 
 /// That Pw^0.82 tan for Pw tan changes static friction by no more than the machine's 2 %, under Pw in kgf/cm2.

@@ -2,13 +2,20 @@
 
 use super::super::finding::Finding;
 use super::super::given::Given;
+use super::surfaces::{joint, pressure};
 use super::{Check, CheckError};
+use crate::slideway::design::Interface;
 use crate::slideway::hydraulics::cylinder_stiffness;
-use crate::slideway::tilt::{TILT_FACTOR, Tilt};
+use crate::slideway::measured::TABLE_9_2;
+use crate::slideway::stability::DrivenTable;
+use crate::slideway::tilt::{self, Tilt};
 use crate::slideway::units::{KGF, MM, UM};
 
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "cylinder-stiffness", run: cylinder },
+    Check { name: "drives-within", run: drives_within },
+    Check { name: "sinking", run: sinking },
+    Check { name: "interface-stiffness", run: interface_stiffness },
     Check { name: "pitch", run: pitch },
     Check { name: "pitch-agrees", run: pitch_agrees },
     Check { name: "tilt-factor", run: tilt_factor },
@@ -26,15 +33,31 @@ fn cylinder(_: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::truth((force / small / stiffness - 1.0).abs() < 1e-9, found))
 }
 
+/// Whether the drives that the study simulates and measures have stiffnesses from `low` to `high` N/m.
+fn drives_within(given: &Given) -> Result<Finding, CheckError> {
+    let measured = TABLE_9_2.iter().map(|cell| cell.stiffness);
+    let stiffnesses = measured.chain([DrivenTable::simulated(0.0).stiffness]);
+    let (least, most) = stiffnesses
+        .fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), one| (least.min(one), most.max(one)));
+    let holds = given.number("low")? <= least && most <= given.number("high")?;
+    Ok(Finding::shape(holds, format!("{:.1} ... {:.1} MN/m", least / 1e6, most / 1e6)))
+}
+
+/// Z0 = W / Ks in um, for kgf, with the stiffness of the example.
+fn sinking(given: &Given) -> Result<Finding, CheckError> {
+    Ok(Finding::Number(tilt::sinking(given.number("W")? * KGF, Tilt::EXAMPLE.stiffness)? / UM))
+}
+
+/// Stiffness of chapter 7's joint under the model table, in kgf/mm.
+fn interface_stiffness(given: &Given) -> Result<Finding, CheckError> {
+    let share = joint(given)?.tangent_stiffness(pressure(given)?)?;
+    Ok(Finding::Number(share * Interface::MODEL.area / (KGF / MM)))
+}
+
 /// The example of the text, with another offset where it is given, in mm.
 fn tilt(given: &Given) -> Result<Tilt, CheckError> {
-    Ok(Tilt {
-        offset: given.number_or("La", 150.0)? * MM,
-        force: 50.0 * KGF,
-        stiffness: 1e5 * KGF / MM,
-        length: 450.0 * MM,
-        factor: TILT_FACTOR,
-    })
+    let offset = given.number_or("La", Tilt::EXAMPLE.offset / MM)? * MM;
+    Ok(Tilt { offset, ..Tilt::EXAMPLE })
 }
 
 /// dZ of eq 3-4 in um.

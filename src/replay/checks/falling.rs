@@ -18,6 +18,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "falls-below-static", run: falls_below_static },
     Check { name: "slope-of-any-sign", run: slope_of_any_sign },
     Check { name: "straight-slope-turns", run: straight_slope_turns },
+    Check { name: "index-of-two", run: index_of_two },
 ];
 
 /// The friction of the simulation, 771 N, or Fs, with VcL in m/s.
@@ -139,4 +140,17 @@ fn straight_slope_turns(given: &Given) -> Result<Finding, CheckError> {
     let (below, above) = (rise(0.98, 0.99)?, rise(1.01, 1.02)?);
     let found = format!("{below:.1} N s/mm just below, {above:.1} just above");
     Ok(Finding::truth(below < 0.0 && above > 0.0, found))
+}
+
+/// By how much the square law differs at most from one with another index, in percent of Fs.
+fn index_of_two(given: &Given) -> Result<Finding, CheckError> {
+    const STEPS: i32 = 10_000;
+    let (friction, index) = (friction(given)?, given.number("index")?);
+    let mut most = 0.0_f64;
+    for step in 0..STEPS {
+        let share = f64::from(step) / f64::from(STEPS);
+        let squared = friction.solid(share * friction.limit)? / friction.static_friction;
+        most = most.max((squared - (1.0 - share).powf(index)).abs());
+    }
+    Ok(Finding::Number(100.0 * most))
 }

@@ -60,6 +60,9 @@ fn slope_spread(given: &Given) -> Result<Finding, CheckError> {
     } else {
         limits.iter().map(|limit| disturbed_slope(memory, *limit)).collect::<Result<_, _>>()?
     };
+    if slopes.len() < 3 {
+        return Err(CheckError::Run(format!("{} slopes are left of {}", slopes.len(), limits.len())));
+    }
     let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
     let (least, most) = slopes
         .iter()

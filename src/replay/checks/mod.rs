@@ -11,9 +11,12 @@ mod others;
 mod profiles;
 mod recordings;
 mod scaling;
+mod shipped;
 mod sliding;
 mod stability;
+mod standing;
 mod surfaces;
+mod swings;
 mod wear;
 
 use super::finding::Finding;
@@ -40,9 +43,12 @@ const TABLES: &[&[Check]] = &[
     profiles::CHECKS,
     recordings::CHECKS,
     scaling::CHECKS,
+    shipped::CHECKS,
     sliding::CHECKS,
     stability::CHECKS,
+    standing::CHECKS,
     surfaces::CHECKS,
+    swings::CHECKS,
     wear::CHECKS,
 ];
 

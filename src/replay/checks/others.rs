@@ -4,9 +4,9 @@ use super::super::finding::Finding;
 use super::super::given::Given;
 use super::super::recipe::Recipe;
 use super::{Check, CheckError};
-use crate::circuit::Circuit;
+use crate::circuit::{Circuit, Element};
 use crate::machines::Part;
-use crate::patch::{Dimension, Unit};
+use crate::patch::{Amount, Dimension, Unit};
 use crate::program::Program;
 use crate::slideway::stability::SIMULATED_DAMPING;
 use crate::slideway::units::MM_PER_S;
@@ -15,6 +15,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "relays-of-others", run: relays_of_others },
     Check { name: "several-multipliers", run: several_multipliers },
     Check { name: "twice-as-many-amplifiers", run: twice_as_many_amplifiers },
+    Check { name: "several-inputs", run: several_inputs },
     Check { name: "stands-under-a-negative-command", run: stands_under_a_negative_command },
     Check { name: "has-no-drive", run: has_no_drive },
     Check { name: "has-no-position", run: has_no_position },
@@ -47,6 +48,27 @@ fn twice_as_many_amplifiers(_: &Given) -> Result<Finding, CheckError> {
     let amplifiers = |circuit: &Circuit| count(circuit, Part::Summer) + count(circuit, Part::Integrator);
     let (other, own) = (amplifiers(&circuit("nakashima")?), amplifiers(&circuit("fig-8-16")?));
     Ok(Finding::truth(other >= 2 * own, format!("{other} against {own}")))
+}
+
+/// Whether Nakashima's circuit takes the output velocity in at several places, and the viscous coefficient too.
+fn several_inputs(_: &Given) -> Result<Finding, CheckError> {
+    let circuit = circuit("nakashima")?;
+    let elements = circuit.elements();
+    let is_velocity = |name: &str| ["B3", "B4"].contains(&name);
+    let reads =
+        |index: usize| circuit.cords(index).iter().any(|(from, _)| is_velocity(&circuit.element(*from).name));
+    let velocity =
+        (0..elements.len()).filter(|index| !is_velocity(&elements[*index].name) && reads(*index)).count();
+    let is_set = |element: &Element| {
+        let mut formulas = element.settings.iter().flatten().filter_map(|setting| match &setting.value {
+            Amount::Formula(formula) => Some(formula),
+            _ => None,
+        });
+        formulas.any(|formula| formula.names().contains(&"f"))
+    };
+    let damping = elements.iter().filter(|element| is_set(element)).count();
+    let found = format!("velocity at {velocity} elements, f at {damping}");
+    Ok(Finding::truth(velocity > 1 && damping > 1, found))
 }
 
 /// Whether Nakashima's table never moves where the set velocity is negative, and does where it is positive.

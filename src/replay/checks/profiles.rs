@@ -25,7 +25,7 @@ pub(super) const CHECKS: &[Check] = &[
 ];
 
 /// The command goes up to 40 V (8.2), in m/s.
-const HIGHEST: f64 = 10.16e-3;
+pub(super) const HIGHEST: f64 = 10.16e-3;
 
 /// The circuits that may be named.
 const CIRCUITS: [(&str, &str); 4] = [

@@ -26,16 +26,16 @@ pub(super) const CHECKS: &[Check] = &[
 ];
 
 /// A swing of velocity above this, peak to peak in mm/s, is oscillation.
-const OSCILLATES: f64 = 1e3 * Criterion::USUAL.threshold;
+pub(super) const OSCILLATES: f64 = 1e3 * Criterion::USUAL.threshold;
 
 /// A run at a steady command, four seconds long.
-fn steady(recipe: Recipe, command: f64) -> Result<Replayed, CheckError> {
+pub(super) fn steady(recipe: Recipe, command: f64) -> Result<Replayed, CheckError> {
     let recipe = recipe.set("v_start", command).set("v_rate", 0.0).lasting(4.0).every(2e-4);
     Ok(recipe.recording(&["v_o", "spring_force"]).run("steady", "")?)
 }
 
 /// Least and largest velocity of its last second, in mm/s.
-fn range(run: &Replayed) -> Result<(f64, f64), CheckError> {
+pub(super) fn range(run: &Replayed) -> Result<(f64, f64), CheckError> {
     let velocity = run.values("v_o")?;
     let settled = &velocity[3 * velocity.len() / 4..];
     let (least, most) = settled.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| {
@@ -44,7 +44,7 @@ fn range(run: &Replayed) -> Result<(f64, f64), CheckError> {
     Ok((least / MM_PER_S, most / MM_PER_S))
 }
 
-fn frequency(run: &Replayed) -> Result<f64, CheckError> {
+pub(super) fn frequency(run: &Replayed) -> Result<f64, CheckError> {
     let read = run.measure("frequency:spring_force,last=1")?[0];
     read.ok_or_else(|| CheckError::Run("no oscillation is seen".to_owned()))
 }

@@ -16,6 +16,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "scaled-gain", run: scaled_gain },
     Check { name: "limit-setting", run: limit_setting },
     Check { name: "lag-setting", run: lag_setting },
+    Check { name: "lag-settings-fit", run: lag_settings_fit },
     Check { name: "lag-gain", run: lag_gain },
     Check { name: "lag-angle", run: lag_angle },
     Check { name: "lag-decibels", run: lag_decibels },
@@ -83,6 +84,15 @@ fn limit_setting(given: &Given) -> Result<Finding, CheckError> {
 /// Setting PA1 for a time constant in s.
 fn lag_setting(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::Number(LagSetting::new(given.number("Tc")?)?.setting))
+}
+
+/// Whether PA1 can be set for all time constants in s, to 0.05 and more as the text wants it.
+fn lag_settings_fit(given: &Given) -> Result<Finding, CheckError> {
+    let memories = given.numbers("Tc")?;
+    let settings = memories.iter().map(|memory| LagSetting::new(*memory)).collect::<Result<Vec<_>, _>>()?;
+    let told: Vec<_> = settings.iter().map(|lag| format!("{:.4} on x{}", lag.setting, lag.gain)).collect();
+    let fits = settings.iter().all(|lag| (0.05..=1.0).contains(&lag.setting));
+    Ok(Finding::truth(fits, told.join(", ")))
 }
 
 /// What a lag makes of an amplitude in V, at w = 1 / Tc.

@@ -7,8 +7,10 @@ use super::surfaces::{film, joint, pressure};
 use super::{Check, CheckError};
 use crate::slideway::SlidewayError;
 use crate::slideway::boundary_film::BoundaryFilm;
+use crate::slideway::design::limit_velocity;
 use crate::slideway::dry_friction::{DryFriction, DrySliding, printed_penetration};
 use crate::slideway::lubricated::{LubricatedJoint, LubricatedSliding};
+use crate::slideway::measured::TABLE_9_2;
 use crate::slideway::oil::{Correction, Oil, thickening, thinning};
 use crate::slideway::power_law::PowerLaw;
 use crate::slideway::units::{
@@ -18,6 +20,7 @@ use crate::slideway::wedge::{RangeProfile, Wedge};
 
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "dry-sliding", run: dry_sliding },
+    Check { name: "dry-memory", run: dry_memory },
     Check { name: "dry-frequency-of-most", run: dry_frequency_of_most },
     Check { name: "dry-friction-exponent", run: dry_friction_exponent },
     Check { name: "stiffness-and-alpha", run: stiffness_and_alpha },
@@ -29,6 +32,8 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "wedge-speed-fit", run: wedge_speed_fit },
     Check { name: "parting-velocity", run: parting_velocity },
     Check { name: "lubricated-sliding", run: lubricated_sliding },
+    Check { name: "general-limit-agrees", run: general_limit_agrees },
+    Check { name: "lift-stays-small", run: lift_stays_small },
     Check { name: "parting-trend", run: parting_trend },
     Check { name: "load-shares", run: load_shares },
     Check { name: "rises-slowly", run: rises_slowly },
@@ -54,6 +59,10 @@ fn dry_sliding(given: &Given) -> Result<Finding, CheckError> {
     match given.need("of")? {
         "time-constant" => return Ok(Finding::Number(dry.time_constant()?)),
         "limit-velocity" => return Ok(Finding::Number(dry.limit_velocity()? / MM_PER_S)),
+        "lift" => {
+            let sliding = dry.at_velocity(given.number("V")? * MM_PER_S)?.penetration;
+            return Ok(Finding::Number((dry.at_frequency(0.0)?.penetration - sliding) / UM));
+        }
         _ => {}
     }
     let reading = given.word::<fn(&DrySliding) -> f64>(
@@ -79,6 +88,22 @@ fn dry_sliding(given: &Given) -> Result<Finding, CheckError> {
 /// CE in kgf s/cm of a square centimetre; none at rest.
 fn damping(at: &DrySliding) -> f64 {
     at.damping.unwrap_or(0.0) * CM2 * CM / KGF
+}
+
+/// Whether a dry joint's own time constant, or CE / KE at some w, is above 0 and below the least of Table T9-2.
+fn dry_memory(given: &Given) -> Result<Finding, CheckError> {
+    let dry = dry(given)?;
+    let memories = match given.text("w") {
+        Some(_) => {
+            let at = |w: f64| dry.at_frequency(w).map(|at| damping(&at) / (at.stiffness * CM2 * CM / KGF));
+            given.numbers("w")?.into_iter().map(at).collect::<Result<Vec<_>, _>>()?
+        }
+        None => vec![dry.time_constant()?],
+    };
+    let oiled = TABLE_9_2.iter().map(|cell| cell.memory).fold(f64::INFINITY, f64::min);
+    let told: Vec<_> = memories.iter().map(|memory| format!("{:.2}", memory * 1e3)).collect();
+    let found = format!("{} ms dry, {:.1} ms with oil at least", told.join(", "), oiled * 1e3);
+    Ok(Finding::shape(memories.iter().all(|memory| *memory > 0.0 && *memory < oiled), found))
 }
 
 /// The frequency in rad/s at which CE, or the imaginary part of alpha, is largest, to a thousandth.
@@ -234,6 +259,24 @@ fn lubricated_sliding(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::Number(reading(&at)))
 }
 
+/// Whether eq 11-9, for any oil, gives the VcL of eq 166-7 or 167-7, to 2 %.
+fn general_limit_agrees(given: &Given) -> Result<Finding, CheckError> {
+    let joint = lubricated(given)?;
+    let own = joint.limit_velocity()?;
+    let general = limit_velocity(joint.pressure, joint.touching_gap, joint.oil.viscosity)?;
+    let found = format!("{:.1} mm/s, and {:.1} mm/s of its own", general / MM_PER_S, own / MM_PER_S);
+    Ok(Finding::truth((general / own - 1.0).abs() < 0.02, found))
+}
+
+/// Whether at V cm/s the table rises by less than the gap at which its ridges part.
+fn lift_stays_small(given: &Given) -> Result<Finding, CheckError> {
+    let joint = lubricated(given)?;
+    let lift = joint.at_velocity(given.number("V")? * CM_PER_S)?.lift;
+    let found =
+        format!("{:.2} um above rest; ridges part at a gap of {:.2} um", lift / UM, joint.touching_gap / UM);
+    Ok(Finding::shape(lift < joint.touching_gap, found))
+}
+
 /// Whether VcL falls when the viscosity doubles, or when the surface is smoother by a tenth of the gap.
 fn parting_trend(given: &Given) -> Result<Finding, CheckError> {
     let joint = lubricated(given)?;
@@ -272,7 +315,7 @@ fn rises_slowly(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::shape(rise > 0.0 && rise < fall, found))
 }
 
-/// The power of mu_k by VcL - V, fitted evenly from rest to a share of VcL.
+/// The power of mu_k by VcL - V, fitted evenly from rest to a share of VcL; with `through=rest` the law has to begin at mu_s.
 fn fall_exponent(given: &Given) -> Result<Finding, CheckError> {
     let (joint, share) = (lubricated(given)?, given.number("to")?);
     let limit = joint.limit_velocity()?;
@@ -281,7 +324,17 @@ fn fall_exponent(given: &Given) -> Result<Finding, CheckError> {
         joint.at_velocity(velocity).map(|at| ((limit - velocity) / CM_PER_S, at.solid))
     };
     let points = (0..=POINTS).map(point).collect::<Result<Vec<_>, _>>()?;
-    Ok(Finding::Number(PowerLaw::fit(&points)?.exponent))
+    Ok(Finding::Number(match given.text("through") {
+        Some(_) => given.word("through", &[("rest", exponent_through_first(&points))])?,
+        None => PowerLaw::fit(&points)?.exponent,
+    }))
+}
+
+/// The exponent of the power law through the first point that is nearest to the others.
+fn exponent_through_first(points: &[(f64, f64)]) -> f64 {
+    let (x0, y0) = points[0];
+    let logarithms = || points[1..].iter().map(|(x, y)| ((x / x0).ln(), (y / y0).ln()));
+    logarithms().map(|(x, y)| x * y).sum::<f64>() / logarithms().map(|(x, _)| x * x).sum::<f64>()
 }
 
 /// The most by which mu_k + mu_0 is above friction by weight, from rest to VcL.

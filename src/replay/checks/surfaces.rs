@@ -18,6 +18,8 @@ use crate::slideway::units::{CM2, KGF, KGF_PER_CM2, KGF_PER_MM2, MM, MM2, UM, UM
 
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "ridge-radius", run: ridge_radius },
+    Check { name: "ridge-size", run: ridge_size },
+    Check { name: "iron-hardness", run: iron_hardness },
     Check { name: "wedge-overlap", run: wedge_overlap },
     Check { name: "table-pressure", run: table_pressure },
     Check { name: "crossed-ridges", run: crossed_ridges },
@@ -47,6 +49,23 @@ fn ridge_radius(given: &Given) -> Result<Finding, CheckError> {
 fn ridge(given: &Given) -> Result<Ridge, GivenError> {
     let Ridge { width, height } = Ridge::GROUND;
     Ok(Ridge { width: given.number_or("B", width)?, height: given.number_or("Z", height)? })
+}
+
+/// What the study's ridge measures, in `by` um, and the tangent of the slope that is climbed. A triangle lies a quarter of its height off its mean line, on average.
+fn ridge_size(given: &Given) -> Result<Finding, CheckError> {
+    let Ridge { width, height } = Ridge::GROUND;
+    let sizes = [
+        ("width", width / UM),
+        ("height", height / UM),
+        ("roughness", height / 4.0 / UM),
+        ("tangent", height / width),
+    ];
+    Ok(Finding::Number(given.word("of", &sizes)? / given.number_or("by", 1.0)?))
+}
+
+/// Brinell hardness of the study's cast iron, in kgf/mm2.
+fn iron_hardness(_: &Given) -> Result<Finding, CheckError> {
+    Ok(Finding::Number(Material::GRADE_17_IRON.hardness / KGF_PER_MM2))
 }
 
 /// Area in um2 in which two wedges meet that overlap by h um: by counting small squares of the plane on which the lower wedge, and
