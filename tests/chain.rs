@@ -221,6 +221,34 @@ fn the_same_comes_out_whatever_the_threads_and_the_backend() {
     }
 }
 
+/// What dies away too slowly is not run longer and longer.
+#[test]
+fn next_to_no_damping_has_no_end_and_says_so() {
+    for (damping, told) in [(0.0, "f = 0 N s/m never damps it"), (10.0, "f = 10 N s/m takes ")] {
+        let chain = chain(&inputs(20.0), &[("f", damping)]);
+        let Simulation { ramp, critical, parameters, .. } = &chain.simulation;
+        let once = 1.25 * parameters.limit + 4e-3;
+        assert!((once..once + 0.1 * ramp.rate + 1e-9).contains(&ramp.top()), "{ramp:?}");
+        assert_eq!(critical.rising, Err(NoCriticalVelocity::NotEnded(ramp.top())));
+        assert!(chain.notes.len() == 1 && chain.notes[0].contains(told), "{:?}", chain.notes);
+        assert!(chain.advice.iter().all(|advice| advice.verdict == Verdict::NotRead), "{:?}", chain.advice);
+        // Friction is gone: what is left shrinks by e in 2 M / f. It swings about the command by as much as that.
+        let least =
+            2.0 * parameters.mass / damping * (ramp.top() / chain.simulation.criterion.threshold).ln();
+        assert!((least..1.3 * least).contains(&chain.simulation.dies_in()) || damping == 0.0);
+    }
+}
+
+#[test]
+fn progress_is_told_up_to_the_end() {
+    let mut told = Vec::new();
+    let chain =
+        Chain::watched(&inputs(20.0), &Settings::default(), |done, all| told.push((done, all))).unwrap();
+    let all = 1 + chain.advice.len() as u64;
+    assert_eq!(told.last(), Some(&(all, all)));
+    assert!(told.is_sorted() && told.contains(&(1, all)), "{told:?}");
+}
+
 #[test]
 fn what_makes_no_chain_is_told() {
     let base = inputs(20.0);
@@ -254,6 +282,16 @@ fn what_makes_no_chain_is_told() {
             "the critical velocity cannot be read: the command alone changes by 0.0039 within a window",
         ),
         (told(base, &[("Tc", 1e-4)]), "Tc = 100 µs is beyond what the circuit of Fig 8.16 takes, "),
+        // From the least with the smallest scales to the largest with the largest.
+        (
+            told(base, &[("VcL", 15.0)]),
+            "VcL = 15 m/s is beyond what the circuit of Fig 8.16 takes, 0.000254 ... 10 m/s",
+        ),
+        (
+            told(base, &[("VcL", 0.3e-3), ("v_turn", 40.0)]),
+            "VcL = 300 µm/s is beyond what the circuit of Fig 8.16 takes with scales 5 times as large, which the command or what \
+             overshoots it asks for: 1.27 ... 250 mm/s",
+        ),
     ];
     for (told, wanted) in cases {
         assert!(told.starts_with(wanted), "{told}, not {wanted}");

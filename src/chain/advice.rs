@@ -5,7 +5,7 @@ use super::parameters::Parameters;
 use super::predictions::{Prediction, stability};
 use super::settings::Settings;
 use super::simulation::Simulation;
-use crate::instruments::{CriticalVelocity, NoCriticalVelocity};
+use crate::instruments::{CriticalVelocity, NoCriticalVelocity, REST};
 use crate::pool;
 use crate::slideway::design::{Design, DesignEquation};
 
@@ -45,7 +45,8 @@ pub struct Outcome {
 /// with twice as much, wherever it oscillates without the advice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// It is lower by more than it can be read to, or there is none any more.
+    /// It is lower by more than it can be read to, or there is none any more. Where oscillation has not ended without the advice, it was
+    /// higher than the command at the last rest that it may have had.
     Confirmed,
     /// It is not lower, or not with every threshold.
     NotConfirmed,
@@ -55,7 +56,7 @@ pub enum Verdict {
     NothingToLower,
     /// What the advice would change is set by hand, and stays.
     NothingChanged,
-    /// The critical velocity of one of the runs cannot be read.
+    /// The critical velocity of one of the runs cannot be read, or so little is known of it that either may be lower.
     NotRead,
     /// The run could not be made.
     NotRun,
@@ -139,9 +140,17 @@ const LIST: [Row; 7] = [
     },
 ];
 
-/// Every advice, tried by runs side by side. `before` is the run without any.
-pub(super) fn all(design: &Design, before: &Simulation, settings: &Settings) -> Vec<Advice> {
-    pool::each(&LIST, settings.threads, |row| row.tried(design, before, settings), |_| ())
+/// How many there are.
+pub(super) const COUNT: u64 = LIST.len() as u64;
+
+/// Every advice, tried by runs side by side. `before` is the run without any. `progress` is told how many are tried.
+pub(super) fn all(
+    design: &Design,
+    before: &Simulation,
+    settings: &Settings,
+    progress: impl FnMut(u64),
+) -> Vec<Advice> {
+    pool::each(&LIST, settings.threads, |row| row.tried(design, before, settings), progress)
 }
 
 impl Row {
@@ -191,13 +200,26 @@ fn compared(
     after: Result<f64, NoCriticalVelocity>,
     resolution: f64,
 ) -> Verdict {
-    match (before, after) {
-        (Ok(_), Err(NoCriticalVelocity::Quiet)) => Verdict::Confirmed,
-        (Ok(_), Err(NoCriticalVelocity::NotEnded(_))) => Verdict::NotConfirmed,
-        (Ok(before), Ok(after)) if (before - after).abs() <= resolution => Verdict::TooClose,
-        (Ok(before), Ok(after)) if after < before => Verdict::Confirmed,
-        (Ok(_), Ok(_)) => Verdict::NotConfirmed,
-        _ => Verdict::NotRead,
+    let [Some(before), Some(after)] = [before, after].map(|read| between(read, resolution)) else {
+        return Verdict::NotRead;
+    };
+    let is_below = |one: [f64; 2], other: [f64; 2]| one[1] + resolution < other[0];
+    match () {
+        () if is_below(after, before) => Verdict::Confirmed,
+        () if is_below(before, after) => Verdict::NotConfirmed,
+        () if before[1].is_finite() && after[1].is_finite() => Verdict::TooClose,
+        () => Verdict::NotRead,
+    }
+}
+
+/// The least and the largest critical velocity that a reading leaves open. Oscillation that has not ended may end where the command turns
+/// back, or rested there for less than four windows.
+fn between(read: Result<f64, NoCriticalVelocity>, resolution: f64) -> Option<[f64; 2]> {
+    match read {
+        Ok(velocity) => Some([velocity; 2]),
+        Err(NoCriticalVelocity::Quiet) => Some([f64::NEG_INFINITY; 2]),
+        Err(NoCriticalVelocity::NotEnded(top)) => Some([top - (REST + 1) as f64 * resolution, f64::INFINITY]),
+        Err(_) => None,
     }
 }
 
@@ -219,11 +241,18 @@ mod tests {
         let near = |before, after| compared(before, after, 0.1);
         assert_eq!(near(Ok(5.0), Ok(4.8)), Confirmed);
         assert_eq!(near(Ok(5.0), quiet), Confirmed);
+        assert_eq!(near(Ok(0.05), quiet), Confirmed, "it is gone");
         assert_eq!(near(Ok(5.0), Ok(5.05)), TooClose);
         assert_eq!(near(Ok(5.0), Ok(5.2)), NotConfirmed);
         assert_eq!(near(Ok(5.0), Err(NoCriticalVelocity::NotEnded(9.0))), NotConfirmed);
         assert_eq!(near(Ok(5.0), Err(NoCriticalVelocity::NoRise)), NotRead);
-        assert_eq!(near(Err(NoCriticalVelocity::NotEnded(9.0)), Ok(5.0)), NotRead);
+        let on = |top| Err(NoCriticalVelocity::NotEnded(top));
+        assert_eq!(near(on(9.0), Ok(5.0)), Confirmed, "it was above 8.5");
+        assert_eq!(near(on(9.0), quiet), Confirmed);
+        assert_eq!(near(on(9.0), Ok(8.6)), NotRead, "it may have been 8.5");
+        assert_eq!(near(on(9.0), on(9.0)), NotRead);
+        assert_eq!(near(on(9.0), on(5.0)), NotRead);
+        assert_eq!(near(Ok(5.0), on(5.2)), NotRead, "it may have sunk to 4.7");
         assert_eq!(together([Confirmed, TooClose, Confirmed].into_iter()), TooClose);
         assert_eq!(together([Confirmed, TooClose, NotConfirmed].into_iter()), NotConfirmed);
         assert_eq!(together([Confirmed; 3].into_iter()), Confirmed);

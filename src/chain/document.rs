@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::error::ChainError;
+use super::error::{Beyond, ChainError};
 use super::parameters::Parameters;
 use super::ramp::Ramp;
 use super::settings::Settings;
@@ -44,6 +44,13 @@ fn range(template: &Patch, name: &str, multiple: f64) -> [f64; 2] {
     let (low, high) = range.unwrap_or((f64::MIN, f64::MAX));
     let factor = if SCALED.contains(&name) { multiple } else { 1.0 };
     [low, high].map(|end| rounded(end * factor))
+}
+
+/// From the least to the largest value that it may have, whatever the scales.
+fn widest_range(template: &Patch, name: &str) -> [f64; 2] {
+    let [least, most] =
+        [MULTIPLES[0], MULTIPLES[MULTIPLES.len() - 1]].map(|multiple| range(template, name, multiple));
+    [least[0].min(most[0]), least[1].max(most[1])]
 }
 
 /// A number as a person would write it: a whole one without a point.
@@ -103,15 +110,23 @@ impl Asked<'_> {
         Ok(self.template.edited("slideway.json", &edits)?)
     }
 
-    /// That every value is in its range: first that none is too large, for which the scales may have been chosen.
+    /// That every value is one that the circuit takes, and one that it takes with these scales.
     fn check(&self, multiple: f64) -> Result<(), ChainError> {
-        let bounds = |name: &str| range(self.template, name, multiple);
-        let above = self.values().find(|(name, value)| *value > bounds(name)[1]);
-        let outside = || self.values().find(|(name, value)| value.is_nan() || *value < bounds(name)[0]);
-        let Some((name, value)) = above.or_else(outside) else { return Ok(()) };
+        if let Some(beyond) = self.outside(|name| widest_range(self.template, name)) {
+            return Err(ChainError::BeyondCircuit(beyond));
+        }
+        match self.outside(|name| range(self.template, name, multiple)) {
+            Some(beyond) => Err(ChainError::BeyondScales { beyond, multiple }),
+            None => Ok(()),
+        }
+    }
+
+    /// A value that lies outside of the bounds of its name.
+    fn outside(&self, bounds: impl Fn(&str) -> [f64; 2]) -> Option<Beyond> {
+        let is_within = |name: &str, value: f64| (bounds(name)[0]..=bounds(name)[1]).contains(&value);
+        let (name, value) = self.values().find(|(name, value)| !is_within(name, *value))?;
         let unit = self.template.parameters.get(name).map_or("", |parameter| parameter.unit.text());
-        let [low, high] = bounds(name);
-        Err(ChainError::BeyondCircuit { name: name.to_owned(), value, unit: unit.to_owned(), low, high })
+        Some(Beyond { name: name.to_owned(), value, unit: unit.to_owned(), bounds: bounds(name) })
     }
 
     /// Names and values of all parameters.

@@ -1,5 +1,6 @@
 //! Why there is no chain.
 
+use super::inputs::Input;
 use crate::instruments::{Display, NoCriticalVelocity};
 use crate::patch::{EditError, Report, told};
 use crate::slideway::SlidewayError;
@@ -19,19 +20,24 @@ pub enum ChainError {
         /// What may have been meant.
         hint: String,
     },
-    /// No scales of the circuit take a value.
-    #[error("{name} = {} is beyond what the circuit of Fig 8.16 takes, {}", with_unit(*value, unit), between(*low, *high, unit))]
-    BeyondCircuit {
-        /// The parameter.
-        name: String,
-        /// Its value.
-        value: f64,
-        /// Its unit.
-        unit: String,
-        /// The least value, with the scales at their smallest.
-        low: f64,
-        /// The largest value, with the scales at their largest.
-        high: f64,
+    /// An input for which a law does not hold.
+    #[error("{error}")]
+    Input {
+        /// The input, or those that a limit binds together.
+        inputs: &'static [Input],
+        /// What is wrong.
+        error: SlidewayError,
+    },
+    /// No scales of the circuit take a value: the bounds go from the least value to the largest, each with the scales that allow it.
+    #[error("{} is beyond what the circuit of Fig 8.16 takes, {}", .0.told(), .0.bounds_told())]
+    BeyondCircuit(Beyond),
+    /// The scales that another value asks for do not take a value.
+    #[error("{} is beyond what the circuit of Fig 8.16 takes with scales {multiple} times as large, which the command or what overshoots it asks for: {}", beyond.told(), beyond.bounds_told())]
+    BeyondScales {
+        /// The value, and the bounds that it has with these scales.
+        beyond: Beyond,
+        /// How many times scale set B they are.
+        multiple: f64,
     },
     /// The command does not rise from rest or a run.
     #[error("the velocity command has to rise from rest or forward motion, which v_start = {} m/s, v_rate = {} m/s2 and v_turn = {} s do not make it", told(*start), told(*rate), told(*turn))]
@@ -75,13 +81,34 @@ pub enum ChainError {
     Run(#[from] RunError),
 }
 
-fn with_unit(value: f64, unit: &str) -> String {
-    Display::new(unit, value).text(value)
+/// A value of the circuit outside of its bounds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Beyond {
+    /// The parameter.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Its unit.
+    pub unit: String,
+    /// The least and the largest value that it may have.
+    pub bounds: [f64; 2],
 }
 
-fn between(low: f64, high: f64, unit: &str) -> String {
-    let display = Display::new(unit, high);
-    format!("{} ... {}", display.number(low), display.text(high))
+impl Beyond {
+    fn told(&self) -> String {
+        format!("{} = {}", self.name, with_unit(self.value, &self.unit))
+    }
+
+    fn bounds_told(&self) -> String {
+        let [low, high] = self.bounds;
+        let display = Display::new(&self.unit, high);
+        format!("{} ... {}", display.number(low), display.text(high))
+    }
+}
+
+/// A value with its unit.
+pub(super) fn with_unit(value: f64, unit: &str) -> String {
+    Display::new(unit, value).text(value)
 }
 
 impl From<Box<Report>> for ChainError {

@@ -1,12 +1,13 @@
 //! What a designer knows of a slideway.
 
 use super::document::rounded;
+use super::error::ChainError;
 use crate::patch::told;
-use crate::slideway::design::{Design, Interface, NON_POLAR, POLAR_ADDITIVE};
+use crate::slideway::Range;
+use crate::slideway::design::{Design, Interface, LIFT, NON_POLAR, POLAR_ADDITIVE};
 use crate::slideway::ridge::Ridge;
 use crate::slideway::units::{CM2, KGF, KGF_PER_CM2, N_PER_MM, POISE};
 use crate::slideway::wedge::RangeProfile;
-use crate::slideway::{Range, SlidewayError};
 
 const VISCOSITY: Range = Range::new("viscosity", "P", 1e-3, 1e3);
 const WEIGHT: Range = Range::positive("weight", "kgf");
@@ -19,6 +20,23 @@ const PRESSURE: Range = Range::new("weight / area", "kgf/cm2", 1e-4, 8.0);
 const MEASURED_VISCOSITY: Range = Range::new("oil", "P", 0.13, 0.595);
 const MEASURED_WEIGHT: Range = Range::new("table", "kgf", 450.0, 850.0);
 const MEASURED_STIFFNESS: Range = Range::new("drive", "kN/mm", 11.0, 45.0);
+
+/// What a designer gives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Input {
+    /// Viscosity of the oil.
+    Viscosity,
+    /// Weight of the table.
+    Weight,
+    /// Area of the slides.
+    Area,
+    /// Stiffness of the drive.
+    Stiffness,
+    /// Width of a ridge.
+    RidgeWidth,
+    /// Height of a ridge.
+    RidgeHeight,
+}
 
 /// A slideway: oil, table, drive and surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,18 +73,24 @@ impl Inputs {
     ///
     /// # Errors
     /// Where one of them is out of its range, in the units that the study has for it.
-    pub fn design(&self) -> Result<Design, SlidewayError> {
-        let looks = [
-            (VISCOSITY, self.viscosity / POISE),
-            (WEIGHT, self.weight / KGF),
-            (AREA, self.area / CM2),
-            (STIFFNESS, self.kilonewtons()),
-            (PRESSURE, self.pressure() / KGF_PER_CM2),
+    pub fn design(&self) -> Result<Design, ChainError> {
+        let looks: [(_, _, &'static [Input]); 7] = [
+            (VISCOSITY, self.viscosity / POISE, &[Input::Viscosity]),
+            (WEIGHT, self.weight / KGF, &[Input::Weight]),
+            (AREA, self.area / CM2, &[Input::Area]),
+            (STIFFNESS, self.kilonewtons(), &[Input::Stiffness]),
+            (PRESSURE, self.pressure() / KGF_PER_CM2, &[Input::Weight, Input::Area]),
+            (Ridge::WIDTHS, self.ridge.width, &[Input::RidgeWidth]),
+            (Ridge::HEIGHTS, self.ridge.height, &[Input::RidgeHeight]),
         ];
-        looks.iter().try_for_each(|(range, value)| range.check(rounded(*value)).map(drop))?;
+        for (range, value, inputs) in looks {
+            range.check(rounded(value)).map_err(|error| ChainError::Input { inputs, error })?;
+        }
+        let of_ridges = |error| ChainError::Input { inputs: &[Input::RidgeWidth, Input::RidgeHeight], error };
         let polar = if self.polar { POLAR_ADDITIVE } else { NON_POLAR };
-        let lift = RangeProfile { ridge: self.ridge, ..RangeProfile::OF_STUDY }.touching_gap()?;
-        let interface = Interface { area: self.area, polar, flank: self.ridge.climb()? };
+        let profile = RangeProfile { ridge: self.ridge, ..RangeProfile::OF_STUDY };
+        let lift = profile.touching_gap().and_then(|lift| LIFT.check(lift)).map_err(of_ridges)?;
+        let interface = Interface { area: self.area, polar, flank: self.ridge.climb().map_err(of_ridges)? };
         Ok(Design {
             weight: self.weight,
             lift,

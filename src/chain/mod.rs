@@ -30,8 +30,8 @@ mod simulation;
 mod table_9_2;
 
 pub use advice::{Advice, Outcome, Verdict};
-pub use error::ChainError;
-pub use inputs::Inputs;
+pub use error::{Beyond, ChainError};
+pub use inputs::{Input, Inputs};
 pub use origin::{Origin, Other};
 pub use parameters::Parameters;
 pub use pictures::pictures;
@@ -41,6 +41,7 @@ pub use settings::Settings;
 pub use simulation::{Pot, Simulation};
 pub use table_9_2::{Compared, table_9_2};
 
+use crate::pool;
 use crate::slideway::design::Design;
 
 /// The whole chain.
@@ -68,12 +69,28 @@ impl Chain {
     /// # Errors
     /// Where a law does not hold for the inputs, the circuit cannot be set so, or the run cannot be made.
     pub fn new(inputs: &Inputs, settings: &Settings) -> Result<Chain, ChainError> {
+        Chain::watched(inputs, settings, |_, _| ())
+    }
+
+    /// The same; `progress` is told again and again how many of all critical velocities have been found.
+    ///
+    /// # Errors
+    /// Those of [`Chain::new`].
+    pub fn watched(
+        inputs: &Inputs,
+        settings: &Settings,
+        mut progress: impl FnMut(u64, u64),
+    ) -> Result<Chain, ChainError> {
         settings.check()?;
         let design = inputs.design()?;
         let parameters = settings.parameters(&design)?;
-        let simulation = Simulation::new(&inputs.title(), &parameters, settings)?;
+        let mut progress = |done| progress(done, 1 + advice::COUNT);
+        let simulate = |title: &String| Simulation::new(title, &parameters, settings);
+        let made = pool::each(&[inputs.title()], 1, simulate, &mut progress);
+        let simulation = made.into_iter().collect::<Result<Vec<_>, _>>()?.remove(0);
         let predictions = Predictions::new(&design, &parameters);
-        let advice = advice::all(&design, &simulation, settings);
+        let advice = advice::all(&design, &simulation, settings, |tried| progress(1 + tried));
+        let notes = inputs.notes().into_iter().chain(simulation.note()).collect();
         Ok(Chain {
             inputs: *inputs,
             design,
@@ -81,7 +98,7 @@ impl Chain {
             simulation,
             predictions,
             advice,
-            notes: inputs.notes(),
+            notes,
         })
     }
 }

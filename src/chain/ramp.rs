@@ -46,6 +46,11 @@ impl Ramp {
         Ramp { turn: whole_tenths(LONGER * self.turn), ..self }
     }
 
+    /// When it turns back at the latest, made longer so many times, in s.
+    pub(super) fn latest_turn(&self, times: i32) -> f64 {
+        LONGER.powi(times) * self.turn
+    }
+
     /// Where it turns back, in m/s.
     pub fn top(&self) -> f64 {
         self.start + self.rate * self.turn

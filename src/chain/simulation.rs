@@ -1,7 +1,9 @@
 //! From parameters to a patch, a run, and the critical velocity.
 
+use std::ops::Range;
+
 use super::document::{Asked, MULTIPLES, template};
-use super::error::ChainError;
+use super::error::{ChainError, with_unit};
 use super::parameters::Parameters;
 use super::ramp::Ramp;
 use super::settings::Settings;
@@ -44,16 +46,16 @@ pub struct Pot {
     pub formula: String,
 }
 
-/// So often the command is made to rise longer: what has not ended by then, an undamped table's motion, has no end.
-const MOST_LONGER: usize = 3;
+/// So often the command is made to rise longer, and not at all where the motion cannot die away by then.
+const MOST_LONGER: i32 = 3;
 
 /// What the critical velocity is read from.
 pub(super) const COMMAND: &str = "v_i";
 pub(super) const VELOCITY: &str = "v_o";
 
 impl Simulation {
-    /// Runs the circuit of Fig 8.16 with these parameters. The command rises until oscillation has ended, unless `v_turn` is set or there
-    /// is no end of it; the scales are such that no amplifier is overloaded. Of what is set only the command counts, not what would
+    /// Runs the circuit of Fig 8.16 with these parameters. The command rises until oscillation has ended, unless `v_turn` is set or so
+    /// little damps the table that no end of it is in sight ([`Simulation::dies_in`]); the scales are such that no amplifier is overloaded. Of what is set only the command counts, not what would
     /// set these parameters.
     ///
     /// # Errors
@@ -68,7 +70,10 @@ impl Simulation {
             let made = Simulation::at(&asked, MULTIPLES[scale])?;
             match made.critical.rising {
                 _ if made.is_overloaded() => scale = made.larger_scale(&asked, scale)?,
-                Err(NoCriticalVelocity::NotEnded(_)) if left > 0 && settings.value("v_turn").is_none() => {
+                Err(NoCriticalVelocity::NotEnded(_))
+                    if settings.value("v_turn").is_none()
+                        && made.ramp.turn + made.dies_in() < ramp.latest_turn(left) =>
+                {
                     (ramp, left) = (ramp.longer(), left - 1);
                 }
                 _ => return made.if_read(),
@@ -125,6 +130,43 @@ impl Simulation {
     /// What a volt of velocity stands for, in m/s.
     pub fn velocity_per_volt(&self) -> f64 {
         self.trace.track(COMMAND).map_or(f64::NAN, |track| track.per_volt)
+    }
+
+    /// How long the motion at the end of the rise takes at least to get below the threshold, in s: 2 M / f x the logarithm of swing by
+    /// threshold. Beyond VcL only the viscous coefficient damps it; below, friction is not known to be gone, and nothing is said (0).
+    pub fn dies_in(&self) -> f64 {
+        let Parameters { mass, damping, limit, .. } = self.parameters;
+        let end = self.trace.time.partition_point(|time| *time <= self.ramp.turn);
+        let begin = self.trace.time.partition_point(|time| *time < self.ramp.turn - self.criterion.window);
+        let swing = self.swing(begin..end).min(2.0 * self.ramp.top());
+        if self.ramp.top() <= limit || swing <= self.criterion.threshold {
+            return 0.0;
+        }
+        2.0 * mass / damping * (swing / self.criterion.threshold).ln()
+    }
+
+    /// By how much the velocity less the command swings within some samples, peak to peak.
+    fn swing(&self, samples: Range<usize>) -> f64 {
+        let [command, velocity] = [COMMAND, VELOCITY].map(|name| self.trace.values(name).unwrap_or_default());
+        let off = samples.map(|sample| velocity[sample] - command[sample]);
+        let ends = off
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], off| [least.min(off), most.max(off)]);
+        ends[1] - ends[0]
+    }
+
+    /// What the reader should know of an oscillation whose end is not seen.
+    pub(super) fn note(&self) -> Option<String> {
+        let Err(NoCriticalVelocity::NotEnded(top)) = self.critical.rising else { return None };
+        let (top, damping) = (with_unit(top, "m/s"), with_unit(self.parameters.damping, "N s/m"));
+        let time = self.dies_in();
+        let why = match time {
+            0.0 => return None,
+            time if time.is_finite() => format!("takes {} at least to damp it", with_unit(time, "s")),
+            _ => "never damps it".to_owned(),
+        };
+        Some(format!(
+            "oscillation goes on at a command of {top}, where solid friction is gone; f = {damping} {why}"
+        ))
     }
 
     /// By how much the command changes within a window, in m/s: what a critical velocity is known to at best.

@@ -8,13 +8,13 @@ use super::failure::Failure;
 use super::files::{places, prepare, put, written};
 use super::load::setting;
 use super::numbers::above_zero;
+use super::progress::Bar;
 use super::slideway_report::{self as report, criterion_told};
 use super::times::{FinenessArguments, with_advice};
 use super::{say, say_json};
-use patchcord::chain::{Chain, ChainError, Inputs, Settings, pictures};
+use patchcord::chain::{Chain, ChainError, Input, Inputs, Settings, pictures};
 use patchcord::instruments::{NoCriticalVelocity, WindowError, parameter_line};
 use patchcord::plot::{self, Format, Size};
-use patchcord::slideway::SlidewayError;
 use patchcord::slideway::ridge::Ridge;
 use patchcord::slideway::units::{CM2, KGF, MM_PER_S, N_PER_MM, POISE, UM};
 use patchcord::solve::RunError;
@@ -85,7 +85,7 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     let format = format.map_err(|error| Failure::usage(error.to_string()))?;
     places(arguments.files())?;
     let settings = arguments.settings();
-    let chain = Chain::new(&arguments.inputs(), &settings).map_err(|error| arguments.refused(error))?;
+    let chain = watched(&arguments.inputs(), &settings).map_err(|error| arguments.refused(error))?;
     prepare(None, arguments.files())?;
     arguments.write(&chain, format)?;
     if arguments.json {
@@ -95,6 +95,16 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     say(&report::told(&chain))?;
     let files = written(arguments.files());
     say(&if files.is_empty() { files } else { format!("\n{files}") })
+}
+
+/// The chain with a bar at a terminal.
+fn watched(inputs: &Inputs, settings: &Settings) -> Result<Chain, ChainError> {
+    let mut bar = Bar::new("critical velocities");
+    Chain::watched(inputs, settings, |done, all| {
+        if let Some(bar) = &mut bar {
+            bar.done(done, all);
+        }
+    })
 }
 
 impl Arguments {
@@ -147,58 +157,71 @@ impl Arguments {
             ChainError::Circuit(report) => report.into(),
             ChainError::Overload { .. } | ChainError::Document(_) => Failure::data(error.to_string()),
             ChainError::Run(error) => {
-                let FinenessArguments { step, every, .. } = self.fineness;
                 let message = match error {
                     RunError::TooManySteps { .. } => format!("{error}: give a longer --step"),
                     RunError::TooManyNumbers { .. } => format!("{error}: give a longer --every"),
                     _ => with_advice(&error),
                 };
-                let is_to_blame = step.is_some() || every.is_some();
+                let is_to_blame = self.fineness.is_to_blame(&error);
                 let failure = if is_to_blame { Failure::usage(message) } else { Failure::data(message) };
                 failure.with("code", error.code().into())
             }
-            error => match advice(&error) {
+            error => match self.advice(&error) {
                 Some(advice) => Failure::usage(format!("{error}: {advice}")),
                 None => Failure::usage(error.to_string()),
             },
         }
     }
+
+    /// The options that put an error right.
+    fn advice(&self, error: &ChainError) -> Option<String> {
+        let advice = match error {
+            ChainError::Input { inputs, .. } => {
+                return Some(inputs.iter().map(|input| option(*input)).collect::<Vec<_>>().join(" and "));
+            }
+            ChainError::BeyondCircuit(beyond) | ChainError::BeyondScales { beyond, .. } => {
+                if self.set.iter().any(|(name, _)| *name == beyond.name) {
+                    return Some(format!("it is set by --set {}", beyond.name));
+                }
+                origin(&beyond.name)?
+            }
+            ChainError::NoRise { .. } => "change it with --set",
+            ChainError::Unread(error) => match error {
+                NoCriticalVelocity::Window(WindowError::TooCoarse(_)) => {
+                    "give a shorter --every or a longer --window"
+                }
+                NoCriticalVelocity::CommandTooFast(_) => {
+                    "give a higher --threshold, or a lower v_rate with --set"
+                }
+                NoCriticalVelocity::Window(WindowError::TooLong { .. }) => "give a shorter --window",
+                _ => return None,
+            },
+            _ => return None,
+        };
+        Some(advice.to_owned())
+    }
 }
 
-/// The options that put an error right.
-fn advice(error: &ChainError) -> Option<String> {
-    let options = match error {
-        ChainError::Law(SlidewayError::OutOfRange { range, .. }) => match range.quantity {
-            "viscosity" => "--oil",
-            "weight" => "--weight",
-            "weight / area" => "--weight and --area",
-            "stiffness" => "--stiffness",
-            "area" => "--area",
-            "width of a ridge" => "--ridge-width",
-            "height of a ridge" => "--ridge-height",
-            "slope of the wedge m" | "gap Ho at rest" => "--ridge-width and --ridge-height",
-            _ => return None,
-        },
-        ChainError::BeyondCircuit { name, .. } => match name.as_str() {
-            "M" => "it follows from --weight",
-            "K" => "it is that of --stiffness",
-            "Fs" => "it follows from --weight, --area, --polar and the ridges",
-            "VcL" => "it follows from --oil, --weight, --area and the ridges",
-            "Tc" => "it follows from --oil and --weight",
-            _ => return None,
-        },
-        ChainError::NoRise { .. } => "change it with --set",
-        ChainError::Unread(error) => match error {
-            NoCriticalVelocity::Window(WindowError::TooCoarse(_)) => {
-                "give a shorter --every or a longer --window"
-            }
-            NoCriticalVelocity::CommandTooFast(_) => {
-                "give a higher --threshold, or a lower v_rate with --set"
-            }
-            NoCriticalVelocity::Window(WindowError::TooLong { .. }) => "give a shorter --window",
-            _ => return None,
-        },
-        _ => return None,
-    };
-    Some(options.to_owned())
+/// The option that gives an input.
+fn option(input: Input) -> &'static str {
+    match input {
+        Input::Viscosity => "--oil",
+        Input::Weight => "--weight",
+        Input::Area => "--area",
+        Input::Stiffness => "--stiffness",
+        Input::RidgeWidth => "--ridge-width",
+        Input::RidgeHeight => "--ridge-height",
+    }
+}
+
+/// The options that a parameter of the circuit follows from.
+fn origin(parameter: &str) -> Option<&'static str> {
+    match parameter {
+        "M" => Some("it follows from --weight"),
+        "K" => Some("it is that of --stiffness"),
+        "Fs" => Some("it follows from --weight, --area, --polar and the ridges"),
+        "VcL" => Some("it follows from --oil, --weight, --area and the ridges"),
+        "Tc" => Some("it follows from --oil and --weight"),
+        _ => None,
+    }
 }

@@ -106,18 +106,31 @@ impl TimeArguments {
 
     /// Whether an error comes from these options rather than from the patch.
     pub fn is_to_blame(&self, error: &RunError) -> bool {
-        let FinenessArguments { step, every, .. } = self.fineness;
-        let times = [self.duration, step, every].iter().any(Option::is_some);
+        matches!(error, RunError::Missing(_))
+            || (self.duration.is_some() && is_of_times(error))
+            || self.fineness.is_to_blame(error)
+    }
+}
+
+impl FinenessArguments {
+    /// Whether an error comes from these options rather than from what is run.
+    pub fn is_to_blame(&self, error: &RunError) -> bool {
         match error {
-            RunError::Missing(_) => true,
-            RunError::LongerThanRun { .. }
-            | RunError::NotATime { .. }
-            | RunError::TooManySteps { .. }
-            | RunError::TooManyNumbers { .. } => times,
-            RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => step.is_some(),
-            _ => false,
+            RunError::DelayTooShort { .. } | RunError::LagTooShort { .. } => self.step.is_some(),
+            _ => is_of_times(error) && (self.step.is_some() || self.every.is_some()),
         }
     }
+}
+
+/// Whether the times of a run do not go with each other, or are too many.
+fn is_of_times(error: &RunError) -> bool {
+    matches!(
+        error,
+        RunError::LongerThanRun { .. }
+            | RunError::NotATime { .. }
+            | RunError::TooManySteps { .. }
+            | RunError::TooManyNumbers { .. }
+    )
 }
 
 /// What the error says, which option helps, and where. Who gave options is asked to give others.

@@ -69,7 +69,7 @@ pub enum NoCriticalVelocity {
 }
 
 /// Oscillation that rests for so many windows has ended, and lasts for as many: slips at a low command lie so far apart.
-pub(super) const REST: usize = 4;
+pub(crate) const REST: usize = 4;
 /// This share of the largest command is rounding.
 const ROUNDING: f64 = 1e-9;
 

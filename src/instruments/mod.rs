@@ -24,6 +24,7 @@ mod voltmeter;
 mod window;
 
 pub use critical_range::{CriticalInterval, CriticalRange, critical_range};
+pub(crate) use critical_velocity::REST;
 pub use critical_velocity::{Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity};
 pub use cycles::{Cycle, CyclesError, cycles};
 pub use first_oscillation::{FirstOscillation, NoFirstOscillation, first_oscillation};

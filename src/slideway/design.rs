@@ -12,7 +12,8 @@ use super::{Range, SlidewayError};
 const STIFFNESS: Range = Range::positive("stiffness K", "N/m");
 const VISCOSITY: Range = Range::positive("viscosity", "Pa s");
 const PRESSURE: Range = Range::positive("mean pressure Pw", "Pa");
-const LIFT: Range = Range::positive("lift Ho + hd", "m");
+/// What a lift may be.
+pub(crate) const LIFT: Range = Range::positive("lift Ho + hd", "m");
 const AREA: Range = Range::positive("apparent area A", "m2");
 const WEIGHT: Range = Range::positive("weight W", "N");
 const POLAR: Range = Range::not_negative("oil constant KLP", "Pa");

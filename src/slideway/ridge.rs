@@ -4,8 +4,6 @@ use super::ellipse::CROSS_ANGLE;
 use super::units::UM;
 use super::{Range, SlidewayError};
 
-const WIDTH: Range = Range::new("width of a ridge", "m", 1e-9, 0.1);
-const HEIGHT: Range = Range::new("height of a ridge", "m", 1e-9, 0.1);
 const OVERLAP: Range = Range::new("overlap", "m", 0.0, 1.0);
 
 /// The profile of a ridge (Fig 7.1): a triangle of base width B and height Z.
@@ -20,6 +18,11 @@ pub struct Ridge {
 impl Ridge {
     /// The ridge of the study's ground cast iron: B = 50 um, Z = 2.5 um (7.2).
     pub const GROUND: Ridge = Ridge { width: 50.0 * UM, height: 2.5 * UM };
+
+    /// What a width may be, in m.
+    pub const WIDTHS: Range = Range::new("width of a ridge", "m", 1e-9, 0.1);
+    /// What a height may be, in m.
+    pub const HEIGHTS: Range = Range::new("height of a ridge", "m", 1e-9, 0.1);
 
     /// Radius of the arc through both ends of the base and the crest, in m: R = (4 Z^2 + B^2) / (8 Z), eq 9-7.
     ///
@@ -51,7 +54,7 @@ impl Ridge {
     }
 
     fn size(&self) -> Result<(f64, f64), SlidewayError> {
-        Ok((WIDTH.check(self.width)?, HEIGHT.check(self.height)?))
+        Ok((Self::WIDTHS.check(self.width)?, Self::HEIGHTS.check(self.height)?))
     }
 }
 

@@ -70,7 +70,15 @@ fn the_patch_that_it_writes_runs_like_any_other() {
 
 #[test]
 fn wrong_inputs_are_told_with_the_option_that_helps() {
-    let cases: [(&[&str], &str); 12] = [
+    let cases: [(&[&str], &str); 17] = [
+        (
+            &["--set", "M=20"],
+            "M = 20 kg is beyond what the circuit of Fig 8.16 takes, 180 ... 4000 kg: it is set by --set M",
+        ),
+        (&["--set", "v_turn=4000"], "0 ... 3600 s: it is set by --set v_turn"),
+        (&["--ridge-height", "1e-6"], "and must be 0.000000001 ... 0.1: --ridge-height\n"),
+        (&["--ridge-width", "1e9"], "and must be 0.000000001 ... 0.1: --ridge-width\n"),
+        (&["--ridge-width", "50000"], ": --ridge-width and --ridge-height\n"),
         (&["--set", "q=1"], "the circuit of Fig 8.16 has no parameter q; known here: M, K, f, Fs, VcL, Tc"),
         (&["--set", "v_turn=-1"], "the velocity command has to rise"),
         (&["--set", "v_rate=0.1"], "give a higher --threshold, or a lower v_rate with --set"),
