@@ -86,6 +86,7 @@ impl Chain {
         let parameters = settings.parameters(&design)?;
         let mut progress = |done| progress(done, 1 + advice::COUNT);
         let simulate = |title: &String| Simulation::new(title, &parameters, settings);
+        // On a thread of its own, so that progress is told meanwhile.
         let made = pool::each(&[inputs.title()], 1, simulate, &mut progress);
         let simulation = made.into_iter().collect::<Result<Vec<_>, _>>()?.remove(0);
         let predictions = Predictions::new(&design, &parameters);

@@ -3,8 +3,8 @@
 use super::Chain;
 use super::predictions::Prediction;
 use super::simulation::{COMMAND, Simulation, VELOCITY};
-use crate::instruments::{Display, NoCriticalVelocity};
-use crate::plot::{Axis, Channel, Mark, Picture};
+use crate::instruments::{Display, NoCriticalVelocity, Plane};
+use crate::plot::{Axis, Picture};
 
 /// Two pictures, one to stand below the other: output velocity against the command while it rises and while it falls, with the critical
 /// velocities read off the run, and those of the equations. Each has a line of small print.
@@ -12,22 +12,25 @@ pub fn pictures(chain: &Chain, notes: [&str; 2]) -> [Picture; 2] {
     let Simulation { trace, ramp, critical, .. } = &chain.simulation;
     let shown = Display::new("m/s", ramp.top());
     let [commands, velocities] = [COMMAND, VELOCITY].map(|name| trace.values(name).unwrap_or_default());
-    let points = commands.iter().zip(&velocities).map(|(x, y)| (shown.value(*x), shown.value(*y)));
-    let points: Vec<_> = points.collect();
+    let axis = |name: &str, values: &[f64], divisions| {
+        let scaled = values.iter().map(|value| shown.value(*value));
+        (Axis::snug(name, &shown.unit, scaled, divisions), shown.clone())
+    };
+    let plane = Plane {
+        across: axis(COMMAND, &commands, Axis::ACROSS),
+        upward: axis(VELOCITY, &velocities, Axis::UP),
+    };
+    let points: Vec<_> = commands.into_iter().zip(velocities).collect();
     let (rising, falling) = points.split_at(trace.time.partition_point(|time| *time <= ramp.turn));
-    let horizontal = Axis::snug(COMMAND, &shown.unit, points.iter().map(|at| at.0), Axis::ACROSS);
-    let vertical = Axis::snug(VELOCITY, &shown.unit, points.iter().map(|at| at.1), Axis::UP);
-    let picture = |title: String, points: &[(f64, f64)], marks, note: &str| Picture {
-        channels: vec![Channel::line(VELOCITY, points.to_vec())],
-        note: Some(note.to_owned()),
-        marks,
-        ..Picture::new(title, horizontal.clone(), vertical.clone())
+    let picture = |title: String, points: &[(f64, f64)], marks, note: &str| {
+        let line = plane.line(VELOCITY, points.iter().copied());
+        plane.picture(title, vec![line], marks, Some(note.to_owned()))
     };
     let ends = title("rises", "ends at", critical.rising, &shown);
     let begins = title("falls", "begins at", critical.falling, &shown);
     [
-        picture(ends, rising, marks(critical.rising, &equations(chain), &shown), notes[0]),
-        picture(begins, falling, marks(critical.falling, &[], &shown), notes[1]),
+        picture(ends, rising, marks(critical.rising, &equations(chain)), notes[0]),
+        picture(begins, falling, marks(critical.falling, &[]), notes[1]),
     ]
 }
 
@@ -41,14 +44,10 @@ fn title(way: &str, turns: &str, read: Result<f64, NoCriticalVelocity>, shown: &
 }
 
 /// What was read off the run, and what equations say.
-fn marks(
-    read: Result<f64, NoCriticalVelocity>,
-    equations: &[(&str, &Prediction)],
-    shown: &Display,
-) -> Vec<Mark> {
+fn marks(read: Result<f64, NoCriticalVelocity>, equations: &[(&str, &Prediction)]) -> Vec<(f64, String)> {
     let run = read.into_iter().map(|velocity| (velocity, "run"));
     let others = equations.iter().filter_map(|(label, said)| Some((*said.as_ref().ok()?, *label)));
-    run.chain(others).map(|(at, label)| Mark { at: shown.value(at), label: label.to_owned() }).collect()
+    run.chain(others).map(|(at, label)| (at, label.to_owned())).collect()
 }
 
 /// The critical velocities by equations.

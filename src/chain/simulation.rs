@@ -55,8 +55,8 @@ pub(super) const VELOCITY: &str = "v_o";
 
 impl Simulation {
     /// Runs the circuit of Fig 8.16 with these parameters. The command rises until oscillation has ended, unless `v_turn` is set or so
-    /// little damps the table that no end of it is in sight ([`Simulation::dies_in`]); the scales are such that no amplifier is overloaded. Of what is set only the command counts, not what would
-    /// set these parameters.
+    /// little damps the table that no end of it is in sight ([`Simulation::dies_in`]); the scales are such that no amplifier is
+    /// overloaded. Of what is set only the command counts, not what would set these parameters.
     ///
     /// # Errors
     /// Where no scales take the parameters, or the run cannot be made.
@@ -72,7 +72,7 @@ impl Simulation {
                 _ if made.is_overloaded() => scale = made.larger_scale(&asked, scale)?,
                 Err(NoCriticalVelocity::NotEnded(_))
                     if settings.value("v_turn").is_none()
-                        && made.ramp.turn + made.dies_in() < ramp.latest_turn(left) =>
+                        && ramp.turn + made.dies_in() < ramp.latest_turn(left) =>
                 {
                     (ramp, left) = (ramp.longer(), left - 1);
                 }
@@ -132,8 +132,8 @@ impl Simulation {
         self.trace.track(COMMAND).map_or(f64::NAN, |track| track.per_volt)
     }
 
-    /// How long the motion at the end of the rise takes at least to get below the threshold, in s: 2 M / f x the logarithm of swing by
-    /// threshold. Beyond VcL only the viscous coefficient damps it; below, friction is not known to be gone, and nothing is said (0).
+    /// How long the motion at the end of the rise takes at least to get below the threshold, in s: 2 M / f x ln(swing / threshold). Beyond
+    /// VcL only the viscous coefficient damps it; where the command ends below, nothing is said (0).
     pub fn dies_in(&self) -> f64 {
         let Parameters { mass, damping, limit, .. } = self.parameters;
         let end = self.trace.time.partition_point(|time| *time <= self.ramp.turn);

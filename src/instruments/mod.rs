@@ -34,6 +34,7 @@ pub use log::{deed, ending, missed};
 pub use measure::{Cell, Column, Measure, MeasureError, measures};
 pub use oscillation::{Oscillation, OscillationError, oscillation};
 pub use parameters::parameter_line;
+pub(crate) use profile::Plane;
 pub use profile::{
     Absent, Drawn, ProfileCriterion, ProfileError, ProfilePoint, Section, VelocityProfile, Way,
     profile_picture, velocity_profile,

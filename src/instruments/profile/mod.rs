@@ -2,6 +2,7 @@
 
 mod absent;
 mod picture;
+mod plane;
 mod points;
 mod ramp;
 mod sections;
@@ -9,6 +10,7 @@ mod way;
 
 pub use absent::Absent;
 pub use picture::{Drawn, profile_picture};
+pub(crate) use plane::Plane;
 pub use way::Way;
 
 use super::critical_velocity::{Criterion, NoCriticalVelocity};
@@ -122,7 +124,7 @@ pub fn velocity_profile(
     if !(standstill > 0.0 && standstill.is_finite()) {
         return Err(ProfileError::BadStandstill(standstill));
     }
-    Ramp::new(time, command, velocity, criterion, way)?.profile()
+    Ok(Ramp::new(time, command, velocity, criterion, way)?.profile())
 }
 
 #[cfg(test)]

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::super::Display;
 use super::super::scope::{Quantity, axis};
+use super::plane::Plane;
 use super::{VelocityProfile, Way};
-use crate::plot::{Axis, Channel, Mark, Picture};
+use crate::plot::{Axis, Channel, Picture};
 
 /// A signal to draw: name, unit, values.
 #[derive(Debug, Clone, Copy)]
@@ -45,26 +45,17 @@ pub fn profile_picture(
 ) -> Picture {
     let samples = shown(&command.values[..command.values.len().min(velocity.values.len())], profile);
     let (along, mut up) = (command.quantity(samples.clone()), velocity.quantity(samples));
-    let points = along.values.clone().into_iter().zip(up.values.clone());
+    let points: Vec<_> = along.values.iter().copied().zip(up.values.iter().copied()).collect();
     let range =
         up.values.iter().fold([0.0_f64; 2], |[least, most], value| [least.min(*value), most.max(*value)]);
     let below = BELOW * (range[1] - range[0]);
     let bars = range[0] - below;
     // The axis makes room for the names below the bars.
     up.values.push(range[0] - 2.0 * below);
-    let (horizontal, across) = axis(&[&along], Axis::ACROSS);
-    let (vertical, upward) = axis(&[&up], Axis::UP);
-    let scaled = |(x, y): (f64, f64)| (across.value(x), upward.value(y));
-    let whole = Channel::line(velocity.name, points.map(scaled).collect());
-    Picture {
-        title,
-        channels: [whole].into_iter().chain(sections(profile, bars, scaled)).collect(),
-        horizontal,
-        vertical,
-        vertical_right: None,
-        note,
-        marks: marks(profile, &across),
-    }
+    let plane = Plane { across: axis(&[&along], Axis::ACROSS), upward: axis(&[&up], Axis::UP) };
+    let whole = plane.line(velocity.name, points.into_iter());
+    let channels = [whole].into_iter().chain(sections(profile, bars, &plane)).collect();
+    plane.picture(title, channels, marks(profile), note)
 }
 
 /// The samples that are drawn.
@@ -79,26 +70,19 @@ fn shown(command: &[f64], profile: &VelocityProfile) -> Range<usize> {
 }
 
 /// A bar for every section that there is, with its letter in the middle.
-fn sections(
-    profile: &VelocityProfile,
-    height: f64,
-    scaled: impl Fn((f64, f64)) -> (f64, f64),
-) -> impl Iterator<Item = Channel> {
+fn sections(profile: &VelocityProfile, height: f64, plane: &Plane) -> impl Iterator<Item = Channel> {
     let named = profile.sections.iter().zip(VelocityProfile::LETTERS).zip(profile.way.sections());
     let there = named.filter_map(|((section, letter), name)| Some((section.ok()?, letter, name)));
     there.map(move |(section, letter, name)| {
         let [begin, end] = section.command;
         let place = |index: usize| begin + (end - begin) * index as f64 / (PLACES - 1) as f64;
-        let points = (0..PLACES).map(|index| scaled((place(index), height))).collect();
-        Channel {
-            labels: vec![(PLACES / 2, letter.to_string())],
-            ..Channel::line(format!("{letter} {name}"), points)
-        }
+        let bar = plane.line(format!("{letter} {name}"), (0..PLACES).map(|index| (place(index), height)));
+        Channel { labels: vec![(PLACES / 2, letter.to_string())], ..bar }
     })
 }
 
-/// A line for every point that there is; those that coincide, or nearly do, share one.
-fn marks(profile: &VelocityProfile, across: &Display) -> Vec<Mark> {
+/// Where every point is that there is, and its number; those that coincide, or nearly do, share one.
+fn marks(profile: &VelocityProfile) -> Vec<(f64, String)> {
     let commands = |index: usize| profile.points[index].ok().map(|point| point.command);
     let largest = (0..5).filter_map(commands).fold(0.0, |largest: f64, command| largest.max(command.abs()));
     let mut marks: Vec<(f64, String)> = Vec::new();
@@ -108,7 +92,7 @@ fn marks(profile: &VelocityProfile, across: &Display) -> Vec<Mark> {
             None => marks.push((command, number.to_string())),
         }
     }
-    marks.into_iter().map(|(at, label)| Mark { at: across.value(at), label }).collect()
+    marks
 }
 
 #[cfg(test)]

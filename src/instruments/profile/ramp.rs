@@ -75,13 +75,13 @@ impl Ramp {
         self.end = self.end.map(|time| -time);
     }
 
-    pub fn profile(&self) -> Result<VelocityProfile, ProfileError> {
+    pub fn profile(&self) -> VelocityProfile {
         let jump = self.jump();
         let (points, sections) = self.found(jump.map(|(time, _)| self.point(time)));
         let jump = jump.ok().map(|(_, height)| height * self.direction);
         let points = points.map(|point| point.map(|point| self.turned_point(point)));
         let sections = sections.map(|section| section.map(|section| self.turned_section(section)));
-        Ok(VelocityProfile { way: self.way, points, sections, jump })
+        VelocityProfile { way: self.way, points, sections, jump }
     }
 
     /// When it breaks away, and the largest velocity that comes of it.

@@ -5,10 +5,9 @@ use std::ops::Range;
 use super::super::critical_velocity::first_largest;
 
 /// The way that a command goes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
     /// From its first value up to its largest, without sign.
-    #[default]
     Rising,
     /// From its largest value back, as long as it does not change its sign.
     Falling,
