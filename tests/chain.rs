@@ -196,6 +196,19 @@ fn advice_that_a_run_does_not_bear_out_is_told() {
     assert_eq!(verdicts, wanted);
 }
 
+/// Without an advice it oscillates up to 16.4 mm/s, beyond where the command turns back.
+#[test]
+fn advice_is_weighed_against_what_is_known_of_an_oscillation_that_has_not_ended() {
+    let chain = chain(&inputs(20.0), &[("v_turn", 11.0)]);
+    assert_eq!(
+        chain.simulation.critical.rising,
+        Err(NoCriticalVelocity::NotEnded(chain.simulation.ramp.top()))
+    );
+    let verdict = |letter| chain.advice.iter().find(|advice| advice.letter == letter).unwrap().verdict;
+    let (e, g, a) = (verdict('e'), verdict('g'), verdict('a'));
+    assert_eq!([e, g, a], [Verdict::Confirmed, Verdict::Confirmed, Verdict::NotRead]);
+}
+
 #[test]
 fn what_is_set_stays_set() {
     let chain = chain(&inputs(20.0), &[("K", 21e6), ("v_rate", 2e-3), ("VcL", 40e-3)]);
