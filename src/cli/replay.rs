@@ -189,6 +189,8 @@ fn document(exhibits: &[Exhibit<'_>], examined: &[Examined], files: &[PathBuf]) 
             "settings": drawn.settings,
             "reading": drawn.reading,
             "picture": exhibit.picture(),
+            "commands": drawn.commands,
+            "table": drawn.table.as_ref().map(|table| json!({"head": table.head, "rows": table.rows})),
             "patches": drawn.patches.iter().map(|patch| patch.file()).collect::<Value>(),
             "claims": exhibit.claims.iter().map(|row| row.claim.id.as_str()).collect::<Value>(),
         })

@@ -71,16 +71,16 @@ impl Code {
         for instruction in &self.instructions {
             let (out, value) = match *instruction {
                 Instruction::Line { out, constant, factor, a } => {
-                    let [constant, factor, a] = [constant, factor, a].map(|slot| slots[slot as usize]);
-                    (out, factor.multiply_add(a, constant))
+                    let sum = slots[constant as usize];
+                    (out, slots[factor as usize].multiply_add(slots[a as usize], sum))
                 }
                 Instruction::Sum { out, constant, first, count } => {
                     let terms = &self.terms[first as usize..(first + count) as usize];
-                    let start = slots[constant as usize];
-                    let add = |sum: V, (factor, a): &(Slot, Slot)| {
-                        slots[*factor as usize].multiply_add(slots[*a as usize], sum)
-                    };
-                    (out, terms.iter().fold(start, add))
+                    let mut sum = slots[constant as usize];
+                    for (factor, a) in terms {
+                        sum = slots[*factor as usize].multiply_add(slots[*a as usize], sum);
+                    }
+                    (out, sum)
                 }
                 Instruction::Multiply { out, a, b } => (out, slots[a as usize].multiply(slots[b as usize])),
                 Instruction::Minimum { out, a, b } => (out, slots[a as usize].lower_of(slots[b as usize])),

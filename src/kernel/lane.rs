@@ -104,6 +104,16 @@ impl Lane for f64 {
 pub(crate) struct Abreast<const N: usize>([f64; N]);
 
 impl<const N: usize> Abreast<N> {
+    // A plain loop, as whatever is not inlined into the code for wide registers is made for narrow ones, ten times as slow; what the
+    // library offers instead need not be.
+    #[inline(always)]
+    fn each(mut self, of: impl Fn(usize, f64) -> f64) -> Self {
+        for lane in 0..N {
+            self.0[lane] = of(lane, self.0[lane]);
+        }
+        self
+    }
+
     // Apart from those who ask, so that what they do stays whole vectors.
     #[inline(never)]
     fn less_than_one(&self) -> u64 {
@@ -122,10 +132,10 @@ impl<const N: usize> Lane for Abreast<N> {
     }
     #[inline(always)]
     fn lies_between(self, low: Self, high: Self, already: Self) -> Self {
-        Abreast(std::array::from_fn(|lane| {
-            let lies = (self.0[lane] >= low.0[lane]) & (high.0[lane] >= self.0[lane]);
+        self.each(|lane, value| {
+            let lies = (value >= low.0[lane]) & (high.0[lane] >= value);
             if lies { already.0[lane] } else { 0.0 }
-        }))
+        })
     }
     #[inline(always)]
     fn splat(value: f64) -> Self {
@@ -141,14 +151,18 @@ impl<const N: usize> Lane for Abreast<N> {
     }
     #[inline(always)]
     fn map(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
-        Abreast(std::array::from_fn(|lane| of(self.0[lane], other.0[lane])))
+        self.each(|lane, value| of(value, other.0[lane]))
     }
     #[inline(always)]
     fn map3(self, b: Self, c: Self, of: impl Fn(f64, f64, f64) -> f64) -> Self {
-        Abreast(std::array::from_fn(|lane| of(self.0[lane], b.0[lane], c.0[lane])))
+        self.each(|lane, value| of(value, b.0[lane], c.0[lane]))
     }
     #[inline(always)]
     fn all(self, other: Self, holds: impl Fn(f64, f64) -> bool) -> bool {
-        (0..N).fold(true, |all, lane| all & holds(self.0[lane], other.0[lane]))
+        let mut all = true;
+        for lane in 0..N {
+            all &= holds(self.0[lane], other.0[lane]);
+        }
+        all
     }
 }

@@ -4,10 +4,11 @@
 
 use std::sync::LazyLock;
 
-use super::recipe::{Problem, Recipe, first_number};
+use super::recipe::{Problem, Recipe};
+use crate::instruments::{Criterion, NoCriticalVelocity};
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::power_law::PowerLaw;
-use crate::slideway::units::N_S_PER_MM;
+use crate::slideway::units::{N_PER_MM, N_S_PER_MM};
 
 /// Time constants of the sweep in s: those that the study names, 6 ... 25 ms (8.4), and some between.
 pub(super) const MEMORIES: [f64; 10] =
@@ -15,12 +16,13 @@ pub(super) const MEMORIES: [f64; 10] =
 
 /// Values of VcL in the sweep, the study's range of 1.27 ... 25.4 mm/s in equal steps.
 pub(super) const LIMITS: usize = 20;
-const LEAST_LIMIT: f64 = 1.27e-3;
+/// The least of them, in units of 10 um/s, in which all are whole numbers.
+const LEAST_LIMIT: usize = 127;
 
 /// The study's rate of the velocity command, in m/s2 (8.5).
 pub(super) const RATE: f64 = 1.2e-3;
 
-/// The ramps go up to this, in m/s: beyond every critical velocity of the sweep.
+/// The ramps go up to this, in m/s: beyond every critical velocity of the sweep, else there is none.
 const HIGHEST: f64 = 14.4e-3;
 
 /// What one ramp says.
@@ -30,38 +32,50 @@ pub(super) struct Ceased {
     pub memory: f64,
     /// VcL, in m/s.
     pub limit: f64,
-    /// The command at which oscillation ended, in m/s; none where none was seen.
-    pub velocity: Option<f64>,
+    /// The command at which oscillation ended, in m/s, or why none was read.
+    pub velocity: Result<f64, NoCriticalVelocity>,
 }
 
 impl Ceased {
     /// The slope of solid friction there in N s/mm, where that still falls.
     pub fn slope(&self) -> Option<f64> {
-        let slope = FallingFriction::simulated(self.limit).slope(self.velocity?).ok()?;
+        let slope = FallingFriction::simulated(self.limit).slope(self.velocity.ok()?).ok()?;
         (slope > 0.0).then_some(slope / N_S_PER_MM)
     }
 }
 
-/// Ramps for each time constant with its VcL, at a rate.
-pub(super) fn ramps(settings: &[(f64, f64)], rate: f64) -> Result<Vec<Ceased>, Problem> {
-    let recipe = Recipe::of("fig-8-16").set("v_rate", rate).lasting(HIGHEST / rate);
-    let rows = settings.iter().map(|(memory, limit)| vec![*memory, *limit]).collect();
-    let rows = recipe.sweep_rows(&["Tc", "VcL"], rows, &["critical_velocity"])?;
-    let ceased = settings.iter().zip(&rows);
-    Ok(ceased
-        .map(|((memory, limit), row)| Ceased { memory: *memory, limit: *limit, velocity: first_number(row) })
-        .collect())
+/// The final circuit with a command that rises at a rate in m/s2.
+pub(super) fn ramp(rate: f64) -> Recipe {
+    Recipe::of("fig-8-16").set("v_rate", rate).lasting(HIGHEST / rate)
 }
 
-/// "Tc=0.0065,0.01".
-pub(super) fn axis(name: &str, values: &[f64]) -> String {
-    let values: Vec<_> = values.iter().map(f64::to_string).collect();
-    format!("{name}={}", values.join(","))
+/// Ramps for each time constant with its VcL, at a rate, read with each of some thresholds in m/s.
+pub(super) fn ramps(
+    settings: &[(f64, f64)],
+    rate: f64,
+    thresholds: &[f64],
+) -> Result<Vec<Vec<Ceased>>, Problem> {
+    let rows: Vec<_> = settings.iter().map(|(memory, limit)| vec![*memory, *limit]).collect();
+    let criterion = |threshold: &f64| Criterion { threshold: *threshold, ..Criterion::USUAL };
+    let read = ramp(rate).recording(&["v_i", "v_o"]).each(&["Tc", "VcL"], &rows, |run| {
+        let rising = |threshold| Ok::<_, Problem>(run.critical_by(criterion(threshold))?.rising);
+        thresholds.iter().map(rising).collect::<Result<Vec<_>, _>>()
+    })?;
+    let of_threshold = |index: usize| {
+        let ceased = settings.iter().zip(&read);
+        let ceased = ceased.map(|((memory, limit), velocities)| Ceased {
+            memory: *memory,
+            limit: *limit,
+            velocity: velocities[index],
+        });
+        ceased.collect()
+    };
+    Ok((0..thresholds.len()).map(of_threshold).collect())
 }
 
 /// The values of VcL in the sweep, in m/s.
 pub(super) fn limits() -> Vec<f64> {
-    (1..=LIMITS).map(|count| count as f64 * LEAST_LIMIT).collect()
+    (1..=LIMITS).map(|count| (count * LEAST_LIMIT) as f64 / 1e5).collect()
 }
 
 /// The sweep of Fig 8.30: every time constant with every VcL, at the study's rate. Made once.
@@ -70,7 +84,8 @@ pub(super) fn sweep() -> Result<&'static [Ceased], Problem> {
         let with_limits =
             |memory: &f64| limits().into_iter().map(|limit| (*memory, limit)).collect::<Vec<_>>();
         let settings: Vec<_> = MEMORIES.iter().flat_map(with_limits).collect();
-        ramps(&settings, RATE).map_err(|problem| problem.to_string())
+        let read = ramps(&settings, RATE, &[Criterion::USUAL.threshold]);
+        read.map(|mut read| read.remove(0)).map_err(|problem| problem.to_string())
     });
     SWEEP.as_deref().map_err(|problem| problem.clone().into())
 }
@@ -83,25 +98,73 @@ pub(super) fn of_memory(ceased: &[Ceased], memory: f64) -> impl Iterator<Item = 
 /// The top of the curve of one time constant: the highest critical velocity of those at which solid friction still falls.
 pub(super) fn top(ceased: &[Ceased], memory: f64) -> Option<Ceased> {
     let falling = of_memory(ceased, memory).filter(|ceased| ceased.slope().is_some());
-    falling
-        .copied()
-        .max_by(|one, other| one.velocity.partial_cmp(&other.velocity).unwrap_or(std::cmp::Ordering::Equal))
+    let height = |ceased: &Ceased| ceased.velocity.unwrap_or(0.0);
+    falling.copied().max_by(|one, other| height(one).total_cmp(&height(other)))
 }
 
-/// Slopes in N s/mm at the tops, by time constant in s, with the law that fits them.
-pub(super) fn slopes_at_tops(ceased: &[Ceased]) -> Result<(Vec<(f64, f64)>, PowerLaw), Problem> {
-    let tops = MEMORIES.iter().filter_map(|memory| top(ceased, *memory));
-    let points: Vec<_> = tops.filter_map(|top| Some((top.memory, top.slope()?))).collect();
+/// Slopes in N s/mm, by time constant in s or stiffness in N/mm, with the law that fits them.
+pub(super) type Slopes = (Vec<(f64, f64)>, PowerLaw);
+
+fn slopes(ceased: impl Iterator<Item = Ceased>) -> Result<Slopes, Problem> {
+    let points: Vec<_> = ceased.filter_map(|ceased| Some((ceased.memory, ceased.slope()?))).collect();
     let law = PowerLaw::fit(&points)?;
     Ok((points, law))
 }
 
-/// The same ramps at another rate, at the VcL of the tops.
-pub(super) fn slopes_at_rate(rate: f64) -> Result<(Vec<(f64, f64)>, PowerLaw), Problem> {
+/// The tops of the sweep's curves.
+pub(super) fn tops() -> Result<Vec<Ceased>, Problem> {
     let ceased = sweep()?;
-    let tops = MEMORIES.iter().filter_map(|memory| top(ceased, *memory)).map(|top| (top.memory, top.limit));
-    let slower = ramps(&tops.collect::<Vec<_>>(), rate)?;
-    let points: Vec<_> = slower.iter().filter_map(|slower| Some((slower.memory, slower.slope()?))).collect();
+    Ok(MEMORIES.iter().filter_map(|memory| top(ceased, *memory)).collect())
+}
+
+/// Slopes at the tops.
+pub(super) fn slopes_at_tops() -> Result<Slopes, Problem> {
+    slopes(tops()?.into_iter())
+}
+
+/// Slopes where ramps at another rate end oscillation, at the VcL of the tops, for each of some thresholds in m/s.
+pub(super) fn slopes_at_rate(rate: f64, thresholds: &[f64]) -> Result<Vec<Slopes>, Problem> {
+    let settings: Vec<_> = tops()?.iter().map(|top| (top.memory, top.limit)).collect();
+    ramps(&settings, rate, thresholds)?.into_iter().map(|ceased| slopes(ceased.into_iter())).collect()
+}
+
+/// VcL in m/s and Tc in s of the study's tests with other stiffnesses (Fig 8.35).
+const STIFFNESS_TESTS: (f64, f64) = (40e-3, 0.0071);
+
+/// The circuit of these tests. The table moves up to twice as fast as the command, which the scales of the study have no room for.
+pub(super) fn of_other_stiffness() -> Recipe {
+    let (limit, memory) = STIFFNESS_TESTS;
+    Recipe::of("fig-8-16").set("VcL", limit).set("Tc", memory).scaled(2.0)
+}
+
+/// The same with a command that rises at the study's rate up to VcL.
+pub(super) fn ramp_of_other_stiffness() -> Recipe {
+    of_other_stiffness().set("v_rate", RATE).lasting(STIFFNESS_TESTS.0 / RATE)
+}
+
+/// Solid friction of these tests.
+pub(super) fn friction_of_other_stiffness() -> FallingFriction {
+    FallingFriction::simulated(STIFFNESS_TESTS.0)
+}
+
+/// Critical velocities in m/s of a command that rises at the study's rate up to VcL, by stiffness in N/m; those at which it
+/// oscillates.
+pub(super) fn by_stiffness(stiffnesses: &[f64]) -> Result<Vec<(f64, f64)>, Problem> {
+    let recipe = ramp_of_other_stiffness().recording(&["v_i", "v_o"]);
+    let read = recipe.along("K", stiffnesses, |run| match run.critical()?.rising {
+        Err(NoCriticalVelocity::Quiet) => Ok(None),
+        velocity => Ok(Some(velocity?)),
+    })?;
+    Ok(read.into_iter().filter_map(|(stiffness, velocity)| Some((stiffness, velocity?))).collect())
+}
+
+/// Slopes in N s/mm at velocities in m/s, by stiffness in N/mm, with the law that fits them.
+pub(super) fn slope_by_stiffness(velocities: &[(f64, f64)]) -> Result<Slopes, Problem> {
+    let friction = friction_of_other_stiffness();
+    let slope = |(stiffness, velocity): &(f64, f64)| {
+        Ok::<_, Problem>((stiffness / N_PER_MM, friction.slope(*velocity)? / N_S_PER_MM))
+    };
+    let points = velocities.iter().map(slope).collect::<Result<Vec<_>, _>>()?;
     let law = PowerLaw::fit(&points)?;
     Ok((points, law))
 }
@@ -111,8 +174,8 @@ const DISTURBED: f64 = 1.001;
 /// The velocity is halved in on to this share of VcL.
 const FINENESS: f64 = 5e-4;
 
-/// The velocity in m/s above which a small disturbance of steady sliding dies away, below which it grows; none where it dies away
-/// however slowly the table slides. `set` are the circuit's parameters, VcL among them.
+/// The velocity in m/s above which a small disturbance of steady sliding dies away, below which it grows; none where it dies away at
+/// 2 % of VcL too: friction falls the less steeply the faster the table slides. `set` are the circuit's parameters, VcL among them.
 pub(super) fn undisturbed(set: &[(&str, f64)], limit: f64) -> Result<Option<f64>, Problem> {
     let (mut low, mut high) = (0.02 * limit, limit);
     if !grows(set, low)? {

@@ -3,6 +3,9 @@
 use super::claim::Verdict;
 use super::examined::Examined;
 use super::figures::{Drawn, Figure};
+use super::page::cells_of_tables;
+use super::table::Table;
+use crate::patch::Patch;
 
 /// A figure as it is shown.
 #[derive(Debug)]
@@ -61,28 +64,26 @@ fn contents(exhibits: &[Exhibit<'_>]) -> String {
             format!("<a href=\"#{id}\" title=\"{title}\">{}</a>", number.trim_start_matches("Fig "))
         };
         let links: Vec<_> = exhibits.iter().map(link).collect();
-        format!("<p><b>Chapter {}</b> {}</p>\n", exhibits[0].figure.chapter(), links.join(" "))
+        format!("<p><b>{}</b> {}</p>\n", exhibits[0].figure.chapter(), links.join(" "))
     };
     format!("<nav>\n{}</nav>\n", chapters.map(line).collect::<String>())
 }
 
 fn chapter(exhibits: &[Exhibit<'_>]) -> String {
     let sections: String = exhibits.iter().map(section).collect();
-    format!("<h2>Chapter {}</h2>\n{sections}", exhibits[0].figure.chapter())
+    format!("<h2>{}</h2>\n{sections}", exhibits[0].figure.chapter())
 }
 
 fn section(exhibit: &Exhibit<'_>) -> String {
     let (figure, drawn) = (exhibit.figure, exhibit.drawn);
     let (id, heading) = (figure.id, escaped(&figure.heading()));
-    let patches: Vec<_> = drawn.patches.iter().map(|patch| link(patch.file())).collect();
-    let patches = match patches.len() {
-        0 => "from theory".to_owned(),
-        _ => format!("patchcord run {}", patches.join(", ")),
-    };
+    let commands: Vec<_> = drawn.commands.iter().map(|command| linked(command, &drawn.patches)).collect();
+    let commands = if commands.is_empty() { "from theory".to_owned() } else { commands.join("<br>") };
+    let numbers = drawn.table.as_ref().map(numbers).unwrap_or_default();
     format!(
         "<section id=\"{id}\">\n<h3>{heading} <small>{}</small></h3>\n<p class=\"reading\">{}</p>\n\
          <div class=\"pair\">\n<figure><a href=\"{id}.svg\"><img src=\"{id}.svg\" alt=\"{heading}\" loading=\"lazy\"></a>\n\
-         <figcaption>{}<br><code>{patches}</code></figcaption></figure>\n{}</div>\n</section>\n",
+         <figcaption>{}<br><code>{commands}</code></figcaption>{numbers}</figure>\n{}</div>\n</section>\n",
         escaped(figure.place),
         escaped(&drawn.reading),
         escaped(&drawn.settings),
@@ -90,9 +91,27 @@ fn section(exhibit: &Exhibit<'_>) -> String {
     )
 }
 
-fn link(file: &str) -> String {
-    let file = escaped(file);
-    format!("<a href=\"{file}\">{file}</a>")
+/// The numbers behind a figure, folded up.
+fn numbers(table: &Table) -> String {
+    let line = |cells: &[String], tag: &str| {
+        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}", escaped(cell))).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    let rows: String = table.rows.iter().map(|row| line(row, "td")).collect();
+    format!(
+        "<details><summary>{} rows of numbers</summary><table>\n{}{rows}</table></details>\n",
+        table.rows.len(),
+        line(&table.head, "th")
+    )
+}
+
+/// A command, with links to the patches that lie beside the page.
+fn linked(command: &str, patches: &[Patch]) -> String {
+    let word = |word: &str| match patches.iter().any(|patch| patch.file() == word) {
+        true => format!("<a href=\"{0}\">{0}</a>", escaped(word)),
+        false => escaped(word),
+    };
+    command.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
 /// More claims than these are folded up.
@@ -165,7 +184,12 @@ fn tally(claims: &[Examined]) -> String {
         let count = claims.iter().filter(|row| row.outcome.verdict == *verdict).count();
         format!("<span class=\"{word}\">{count} {verdict}</span> ")
     });
-    format!("<p class=\"tally\">{} claims: {}</p>\n", claims.len(), boxes.collect::<String>())
+    format!(
+        "<p class=\"tally\">{} claims: {}</p>\n<p>{}</p>\n",
+        claims.len(),
+        boxes.collect::<String>(),
+        escaped(&cells_of_tables(claims))
+    )
 }
 
 fn escaped(text: &str) -> String {

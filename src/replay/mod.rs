@@ -6,23 +6,29 @@
 //! reason for every one but "reproduced". [`page`] writes it all down.
 //!
 //! A [`Figure`] (`src/replay/figures`) is drawn from runs of shipped patches with settings of its own, or from theory.
-//! [`gallery`] shows figures beside the claims that they bear on.
+//! [`gallery`] shows figures beside the claims that they bear on, [`differences`] what the differences depend on.
 
 mod boundary;
 mod checks;
 mod claim;
+mod conditions;
+mod differences;
 mod examined;
 mod figures;
 mod finding;
+mod frequency;
 mod gallery;
 mod given;
 mod ledger;
 mod page;
 mod performance;
 mod recipe;
+mod reversal;
+mod table;
 
 pub use checks::CheckError;
 pub use claim::{Claim, Outcome, Verdict};
+pub use differences::differences;
 pub use examined::Examined;
 pub use figures::{Drawn, Figure, FigureError, Sheet, figures};
 pub use finding::{Finding, Printed, Within};
@@ -31,3 +37,4 @@ pub use given::{Given, GivenError};
 pub use ledger::{LedgerError, ledger};
 pub use page::page;
 pub use performance::{ReplayError, perform};
+pub use table::Table;

@@ -12,10 +12,28 @@ pub fn page(claims: &[Examined]) -> String {
          Every number and statement of the study that can be checked stands here with its place (\"eq 31-7\" is equation \
          31 of chapter 7), what the check of it gives, and a verdict. *Within* is how near the printed number is by what the \
          text itself says: percent, units of the last printed digit (\"digits\"), a difference, or exact.\n\n\
-         {}{sections}\n\
+         {}\n{}\n{sections}\n\
          This page is written from `src/replay/claims` by `PATCHCORD_BLESS=1 cargo test --test claims`.\n",
-        tally(claims)
+        tally(claims),
+        cells_of_tables(claims)
     )
+}
+
+/// The tables of which every printed cell is a claim.
+const TABLES: [&str; 3] = ["Table T9-4", "Table T9-5", "Table T9-6"];
+
+/// How many printed cells of each table come out as near as the text itself says, and which do not.
+pub(super) fn cells_of_tables(claims: &[Examined]) -> String {
+    let table = |table: &&str| {
+        let cells: Vec<_> =
+            claims.iter().filter(|row| row.claim.place == *table && row.claim.value.is_some()).collect();
+        let beyond = cells.iter().filter(|row| row.outcome.verdict != Verdict::Reproduced);
+        let beyond: Vec<_> = beyond.map(|row| format!("{} ({})", row.claim.id, row.difference())).collect();
+        let rest = if beyond.is_empty() { String::new() } else { format!(", but for {}", beyond.join(", ")) };
+        let (within, all) = (cells.len() - beyond.len(), cells.len());
+        format!("{table}: {within} of {all} printed cells within two units of their last digit{rest}.")
+    };
+    TABLES.iter().map(table).collect::<Vec<_>>().join(" ")
 }
 
 /// How many of each verdict there are.

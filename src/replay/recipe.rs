@@ -1,14 +1,18 @@
 //! Runs of the shipped circuits with settings of their own, and the patches that say them.
 
+use std::ops::Deref;
+
 use serde_json::{Value, json};
 
 use crate::circuit::Circuit;
-use crate::instruments::{Cell, Display, Measure, parameter_line, picture};
+use crate::instruments::{
+    Cell, Criterion, CriticalVelocity, Display, Measure, NoCriticalVelocity, critical_velocity,
+    parameter_line, picture,
+};
 use crate::patch::{Edit, Patch};
 use crate::plot::Picture;
-use crate::program::Program;
+use crate::program::{Probe, Program};
 use crate::solve::{self, RunSettings};
-use crate::sweep::{Axis, Plan, Row, Sweep};
 use crate::trace::Trace;
 
 /// Whatever keeps a figure from being made.
@@ -83,6 +87,39 @@ impl Recipe {
             .edit("elements/A1/initial", "100 * (1 - v_start / VcL)")
     }
 
+    /// Scales so many times as large, of length, velocity and acceleration: for motion that goes beyond the machine in those of the
+    /// study. No gain changes but those of the pots.
+    pub fn scaled(self, times: f64) -> Recipe {
+        [("position", 0.0254e-3), ("velocity", 0.254e-3), ("acceleration", 0.254)]
+            .into_iter()
+            .fold(self, |recipe, (scale, per_volt)| {
+                recipe.edit(&format!("scales/{scale}/per_volt"), times * per_volt)
+            })
+    }
+
+    /// Noise on the velocity command: a number drawn every 5 ms, so large, rms in m/s. What is drawn more often the table hardly sees,
+    /// as its natural frequency is some 50 Hz.
+    pub fn noisy(self, rms: f64) -> Recipe {
+        if rms == 0.0 {
+            return self;
+        }
+        let noise = json!({"kind": "noise", "scale": "velocity", "rms": rms, "every": 5e-3, "seed": 1});
+        let position_integrator = if self.circuit.starts_with("fig-8-16") { "A6" } else { "A1" };
+        self.edit("drives/rough", noise)
+            .edit(&format!("elements/{position_integrator}/in/x10"), json!(["v_i", "A3", "rough"]))
+    }
+
+    /// The command goes up to a velocity in m/s and comes back, at a rate in m/s2.
+    pub fn there_and_back(self, highest: f64, rate: f64) -> Recipe {
+        let turn = highest / rate;
+        self.set("v_rate", rate).set("v_turn", turn).lasting(2.0 * turn)
+    }
+
+    /// The command stands still, at a velocity in m/s.
+    pub fn steady(self, velocity: f64) -> Recipe {
+        self.set("v_start", velocity).set("v_rate", 0.0)
+    }
+
     /// One more picture, instead of those of the circuit.
     pub fn picture(mut self, title: &str, x: &str, y: &[&str]) -> Recipe {
         self.pictures.push(json!({"title": title, "x": x, "y": y}));
@@ -107,49 +144,53 @@ impl Recipe {
         Ok(Patch::parse(self.circuit, text)?.edited(&format!("{name}.json"), &edits)?)
     }
 
+    /// What it is set to, in a line; without the parameters that are varied.
+    pub fn settings(&self, varied: &[&str]) -> Result<String, Problem> {
+        let line = parameter_line(&self.circuit("settings", "")?);
+        let is_varied = |setting: &&str| varied.iter().any(|name| setting.split(' ').next() == Some(name));
+        Ok(line.split(", ").filter(|setting| !is_varied(setting)).collect::<Vec<_>>().join(", "))
+    }
+
     /// The circuit of that patch.
     pub fn circuit(&self, name: &str, title: &str) -> Result<Circuit, Problem> {
         Ok(Circuit::new(&self.patch(name, title)?, &[])?)
     }
 
-    /// What measures read off a run for each combination of values, `"Tc=0.0065,0.01"` each.
-    pub fn sweep(&self, vary: &[String], measures: &[&str]) -> Result<Vec<Row>, Problem> {
-        let axes = vary.iter().map(|text| Axis::parse(text)).collect::<Result<_, _>>()?;
-        self.swept(axes, |plan| (0..plan.runs()).map(|run| plan.values(run)).collect(), measures)
-    }
-
-    /// The same for rows of values of some parameters.
-    pub fn sweep_rows(
+    /// Runs it for each row of values of some parameters, side by side, and reads each run.
+    ///
+    /// # Errors
+    /// A run that cannot be made, or what `read` refuses, with the values of that run.
+    pub fn each<T>(
         &self,
         vary: &[&str],
-        rows: Vec<Vec<f64>>,
-        measures: &[&str],
-    ) -> Result<Vec<Row>, Problem> {
-        let first = rows.first().ok_or("no row is given")?;
-        let axis = |(name, value): (&&str, &f64)| Axis::parse(&format!("{name}={value}"));
-        let axes = vary.iter().zip(first).map(axis).collect::<Result<_, _>>()?;
-        self.swept(axes, |_| rows, measures)
-    }
-
-    /// Runs go side by side.
-    fn swept(
-        &self,
-        axes: Vec<Axis>,
-        values: impl FnOnce(&Plan) -> Vec<Vec<f64>>,
-        measures: &[&str],
-    ) -> Result<Vec<Row>, Problem> {
+        rows: &[Vec<f64>],
+        read: impl Fn(&Record) -> Result<T, Problem>,
+    ) -> Result<Vec<T>, Problem> {
         let circuit = self.circuit("sweep", "")?;
         let (program, settings) = (Program::new(&circuit)?, RunSettings::of(&circuit)?);
-        let parsed = measures.iter().map(|text| Measure::parse(text, program.signals()));
-        let parsed = parsed.collect::<Result<_, _>>()?;
-        let plan = Plan::new(axes, &program)?;
-        let sweep = Sweep::new("", program, settings, plan, parsed)?;
-        let (values, mut bench) = (values(sweep.plan()), sweep.bench());
-        let rows: Vec<Row> = values.chunks(ABREAST).flat_map(|values| bench.rows(values)).collect();
-        match rows.iter().find(|row| row.error.is_some()) {
-            Some(failed) => Err(format!("{:?}: {}", failed.values, failed.notes.join("; ")).into()),
-            None => Ok(rows),
+        let mut found = Vec::with_capacity(rows.len());
+        for rows in rows.chunks(ABREAST) {
+            let programs = rows.iter().map(|row| turned(&program, vary, row));
+            let programs = programs.collect::<Result<Vec<_>, _>>()?;
+            for (row, outcome) in rows.iter().zip(solve::run_abreast(&programs, &settings)) {
+                let read = outcome
+                    .map_err(|stopped| stopped.error.into())
+                    .and_then(|trace| read(&Record::new(&program, trace)));
+                found.push(read.map_err(|problem| format!("{} = {row:?}: {problem}", vary.join(", ")))?);
+            }
         }
+        Ok(found)
+    }
+
+    /// The same for values of one parameter: each value with what is read.
+    pub fn along<T>(
+        &self,
+        parameter: &str,
+        values: &[f64],
+        read: impl Fn(&Record) -> Result<T, Problem>,
+    ) -> Result<Vec<(f64, T)>, Problem> {
+        let rows: Vec<_> = values.iter().map(|value| vec![*value]).collect();
+        Ok(values.iter().copied().zip(self.each(&[parameter], &rows, read)?).collect())
     }
 
     /// Runs it, under a name and a title.
@@ -157,16 +198,23 @@ impl Recipe {
         let circuit = self.circuit(name, title)?;
         let program = Program::new(&circuit)?;
         let trace = solve::run(&program, &RunSettings::of(&circuit)?).map_err(|stopped| stopped.error)?;
-        Ok(Replayed { circuit, program, trace })
+        Ok(Replayed { record: Record::new(&program, trace), circuit })
     }
 }
 
-/// A run that was made.
+/// A program with other values of some parameters.
+fn turned(program: &Program, vary: &[&str], values: &[f64]) -> Result<Program, Problem> {
+    let mut program = program.clone();
+    let changes: Vec<_> = vary.iter().copied().zip(values.iter().copied()).collect();
+    solve::preset(&mut program, &changes)?;
+    Ok(program)
+}
+
+/// A run that was made, with the circuit that was run.
 #[derive(Debug)]
 pub(super) struct Replayed {
     circuit: Circuit,
-    program: Program,
-    pub trace: Trace,
+    record: Record,
 }
 
 impl Replayed {
@@ -180,6 +228,34 @@ impl Replayed {
         parameter_line(&self.circuit)
     }
 
+    /// The pictures that the patch asks for.
+    pub fn pictures(&self) -> Result<Vec<Picture>, Problem> {
+        let specs = &self.patch().pictures;
+        let drawn = specs.iter().map(|spec| picture(&self.trace, spec, Some(self.settings())));
+        Ok(drawn.collect::<Result<_, _>>()?)
+    }
+}
+
+impl Deref for Replayed {
+    type Target = Record;
+
+    fn deref(&self) -> &Record {
+        &self.record
+    }
+}
+
+/// What was recorded of a run.
+#[derive(Debug)]
+pub(super) struct Record {
+    signals: Vec<Probe>,
+    pub trace: Trace,
+}
+
+impl Record {
+    fn new(program: &Program, trace: Trace) -> Record {
+        Record { signals: program.signals().to_vec(), trace }
+    }
+
     /// The samples of a signal in its unit; "t" is time.
     pub fn values(&self, signal: &str) -> Result<Vec<f64>, Problem> {
         if signal == "t" {
@@ -188,29 +264,44 @@ impl Replayed {
         self.trace.values(signal).ok_or_else(|| format!("{signal} is not recorded").into())
     }
 
-    /// The pictures that the patch asks for.
-    pub fn pictures(&self) -> Result<Vec<Picture>, Problem> {
-        let specs = &self.patch().pictures;
-        let drawn = specs.iter().map(|spec| picture(&self.trace, spec, Some(self.settings())));
-        Ok(drawn.collect::<Result<_, _>>()?)
-    }
-
     /// One signal against another, both divided by what stands for 1 on its axis.
     pub fn points(&self, along: (&str, f64), up: (&str, f64)) -> Result<Vec<(f64, f64)>, Problem> {
         let [along_values, up_values] = [self.values(along.0)?, self.values(up.0)?];
         Ok(along_values.iter().zip(&up_values).map(|(x, y)| (x / along.1, y / up.1)).collect())
     }
 
-    /// The critical velocities of its profile: swings above 0.25 mm/s within 0.04 s are oscillation.
-    pub fn critical(&self) -> Result<Critical, Problem> {
-        let read = self.measure("critical_velocity")?;
-        Ok(Critical { rising: read[0], falling: read[1] })
+    /// The critical velocities of its profile, in m/s, by the usual criterion: swings above 0.25 mm/s within 0.04 s are oscillation.
+    ///
+    /// # Errors
+    /// Where an amplifier was overloaded.
+    pub fn critical(&self) -> Result<CriticalVelocity, Problem> {
+        self.critical_by(Criterion::USUAL)
     }
 
-    /// What a measure reads off it, a number a column; nothing where it reads nothing.
-    pub fn measure(&self, text: &str) -> Result<Vec<Option<f64>>, Problem> {
-        let cells = Measure::parse(text, self.program.signals())?.read(&self.trace);
-        Ok(cells.into_iter().map(|cell| cell.ok().and_then(number)).collect())
+    /// The same by another criterion.
+    pub fn critical_by(&self, criterion: Criterion) -> Result<CriticalVelocity, Problem> {
+        self.within_range()?;
+        let (command, velocity) = (self.values("v_i")?, self.values("v_o")?);
+        Ok(critical_velocity(&self.trace.time, &command, &velocity, criterion))
+    }
+
+    /// The number that a measure reads off it, the first where it reads several.
+    ///
+    /// # Errors
+    /// Where it reads none, with the reason, and where an amplifier was overloaded.
+    pub fn measure(&self, text: &str) -> Result<f64, Problem> {
+        self.within_range()?;
+        let cells = Measure::parse(text, &self.signals)?.read(&self.trace);
+        match cells.into_iter().next() {
+            Some(Ok(Cell::Number(number))) => Ok(number),
+            Some(Err(reason)) => Err(format!("{text}: {reason}").into()),
+            _ => Err(format!("{text} is no number").into()),
+        }
+    }
+
+    /// An overloaded amplifier stands for nothing: no number is read off such a run.
+    fn within_range(&self) -> Result<(), Problem> {
+        self.overloads().map_or(Ok(()), |overload| Err(overload.into()))
     }
 
     /// The lamps that lit, in a sentence; nothing where none did.
@@ -227,39 +318,7 @@ impl Replayed {
     }
 }
 
-/// Critical velocities in m/s: the command at which oscillation ends while it rises, and begins while it falls.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Critical {
-    pub rising: Option<f64>,
-    pub falling: Option<f64>,
-}
-
-impl Critical {
-    /// The rising one, in words.
-    pub fn rising_told(&self) -> String {
-        self.rising.map_or_else(|| "no rising command".to_owned(), told)
-    }
-
-    /// The falling one, in words.
-    pub fn falling_told(&self) -> String {
-        self.falling.map_or_else(|| "no falling command".to_owned(), told)
-    }
-}
-
-/// A velocity, in words.
-fn told(velocity: f64) -> String {
-    Display::new("m/s", velocity).text(velocity)
-}
-
-/// The first number that was measured of a run of a sweep.
-pub(super) fn first_number(row: &Row) -> Option<f64> {
-    row.cells.first()?.clone().and_then(number)
-}
-
-/// The number in a cell.
-pub(super) fn number(cell: Cell) -> Option<f64> {
-    match cell {
-        Cell::Number(number) => Some(number),
-        Cell::Name(_) | Cell::Empty => None,
-    }
+/// A critical velocity, in words: the reason where there is none.
+pub(super) fn velocity_told(velocity: Result<f64, NoCriticalVelocity>) -> String {
+    velocity.map_or_else(|none| none.to_string(), |velocity| Display::new("m/s", velocity).text(velocity))
 }

@@ -3,7 +3,10 @@
 use std::fs;
 
 use patchcord::patch::Patch;
-use patchcord::replay::{Sheet, figures};
+use patchcord::plot::Format;
+use patchcord::replay::{Sheet, differences, figures, perform};
+
+use crate::common::files::check_fresh;
 
 use super::{code, errors, json, out, patchcord, path};
 
@@ -78,18 +81,32 @@ fn what_cannot_be_replayed_is_told() {
 
 #[test]
 fn every_figure_is_drawn_with_a_reading_and_patches_that_check() {
-    for figure in figures() {
-        let drawn = figure.draw().unwrap_or_else(|error| panic!("{error}"));
+    let figures: Vec<_> = figures().collect();
+    assert!(figures.len() >= 60);
+    let (drawn, _) = perform(&figures, &[], 2, |_, _| ()).unwrap_or_else(|error| panic!("{error}"));
+    check_fresh(
+        "docs/differences.md",
+        differences(figures.iter().copied().zip(&drawn)).as_bytes(),
+        "cli replay",
+    );
+    for (figure, drawn) in figures.into_iter().zip(&drawn) {
+        let told = format!("{} {}", drawn.settings, drawn.reading);
         assert!(!drawn.reading.is_empty() && !drawn.settings.is_empty(), "{}", figure.id);
+        assert!(!told.contains("NaN") && !told.contains("inf"), "{}: {told}", figure.id);
+        assert!(drawn.render(Format::Svg).unwrap().len() > 1000, "{}", figure.id);
         if let Sheet::Pictures(pictures) = &drawn.sheet {
-            let points =
-                pictures.iter().flat_map(|picture| &picture.channels).map(|channel| channel.points.len());
-            assert!(points.min().unwrap() > 0, "{}: an empty channel", figure.id);
+            let channels = pictures.iter().flat_map(|picture| &picture.channels);
+            assert!(channels.map(|channel| channel.points.len()).min().unwrap() > 0, "{}", figure.id);
         }
         for patch in &drawn.patches {
             assert!(patch.file().starts_with(figure.id), "{}", patch.file());
             let read = Patch::parse(patch.file(), patch.text()).unwrap();
             patchcord::circuit::Circuit::new(&read, &[]).unwrap_or_else(|report| panic!("{report}"));
+            let is_named = |command: &String| command.contains(patch.file());
+            assert!(drawn.commands.iter().any(is_named), "{}", figure.id);
+        }
+        if let Some(table) = &drawn.table {
+            assert!(table.rows.iter().all(|row| row.len() == table.head.len()), "{}", figure.id);
         }
     }
 }

@@ -3,15 +3,15 @@
 use super::super::boundary::{self, RATE, undisturbed};
 use super::super::finding::Finding;
 use super::super::given::Given;
-use super::super::recipe::{Recipe, first_number};
 use super::{Check, CheckError};
+use crate::instruments::Criterion;
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::power_law::PowerLaw;
 use crate::slideway::stability::DrivenTable;
-use crate::slideway::units::{N_PER_MM, N_S_PER_MM};
+use crate::slideway::units::N_S_PER_MM;
 
 pub(super) const CHECKS: &[Check] = &[
-    Check { name: "slope-exponent", run: slope_exponent },
+    Check { name: "slope-law", run: slope_law },
     Check { name: "slope-where-it-ends", run: slope_where_it_ends },
     Check { name: "slope-by-disturbance", run: slope_by_disturbance },
     Check { name: "slope-spread", run: slope_spread },
@@ -19,10 +19,12 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "tops-fall", run: tops_fall },
 ];
 
-/// Exponent of Cn against Tc, from ramps, at the top of each time constant's curve.
-fn slope_exponent(_: &Given) -> Result<Finding, CheckError> {
-    let (_, law) = boundary::slopes_at_tops(boundary::sweep()?)?;
-    Ok(Finding::Number(law.exponent))
+/// Exponent of Cn against Tc, or the factor in s and N s/mm, from ramps, at the top of each time constant's curve.
+fn slope_law(given: &Given) -> Result<Finding, CheckError> {
+    type Part = fn(&PowerLaw) -> f64;
+    let parts: [(&str, Part); 2] = [("exponent", |law| law.exponent), ("factor", |law| law.factor)];
+    let part = given.word("part", &parts)?;
+    Ok(Finding::Number(part(&boundary::slopes_at_tops()?.1)))
 }
 
 /// Cn in N s/mm at the top of the curve of one time constant, from ramps.
@@ -56,7 +58,8 @@ fn slope_spread(given: &Given) -> Result<Finding, CheckError> {
     let by_ramp = given.word("by", &[("ramp", true), ("disturbance", false)])?;
     let slopes: Vec<f64> = if by_ramp {
         let settings: Vec<_> = limits.iter().map(|limit| (memory, *limit)).collect();
-        boundary::ramps(&settings, RATE)?.iter().filter_map(boundary::Ceased::slope).collect()
+        let read = boundary::ramps(&settings, RATE, &[Criterion::USUAL.threshold])?;
+        read[0].iter().filter_map(boundary::Ceased::slope).collect()
     } else {
         limits.iter().map(|limit| disturbed_slope(memory, *limit)).collect::<Result<_, _>>()?
     };
@@ -70,26 +73,15 @@ fn slope_spread(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::Number(100.0 * (most - least) / mean))
 }
 
-/// Exponent of Cn against K, from ramps at VcL = 40 mm/s and Tc = 7.1 ms, of the stiffnesses at which oscillation ends within the
-/// range of A3.
+/// Exponent of Cn against K, from ramps at VcL = 40 mm/s and Tc = 7.1 ms.
 fn slope_exponent_by_stiffness(given: &Given) -> Result<Finding, CheckError> {
-    let limit = 40e-3;
-    let recipe = Recipe::of("fig-8-16").set("VcL", limit).set("Tc", 0.0071).lasting(20.0);
-    let rows = recipe.sweep(&[boundary::axis("K", &given.numbers("K")?)], &["critical_velocity"])?;
-    let mut points = Vec::new();
-    for row in rows {
-        if let Some(velocity) = first_number(&row) {
-            let slope = FallingFriction::simulated(limit).slope(velocity)? / N_S_PER_MM;
-            points.push((row.values[0] / N_PER_MM, slope));
-        }
-    }
-    Ok(Finding::Number(PowerLaw::fit(&points)?.exponent))
+    let velocities = boundary::by_stiffness(&given.numbers("K")?)?;
+    Ok(Finding::Number(boundary::slope_by_stiffness(&velocities)?.1.exponent))
 }
 
 /// Whether the highest critical velocity falls from each time constant to the next.
 fn tops_fall(_: &Given) -> Result<Finding, CheckError> {
-    let ceased = boundary::sweep()?;
-    let tops = boundary::MEMORIES.iter().filter_map(|memory| boundary::top(ceased, *memory)?.velocity);
+    let tops = boundary::tops()?.into_iter().filter_map(|top| top.velocity.ok());
     let tops: Vec<_> = tops.map(|velocity| velocity * 1e3).collect();
     let told: Vec<_> = tops.iter().map(|top| format!("{top:.1}")).collect();
     Ok(Finding::shape(tops.windows(2).all(|pair| pair[1] < pair[0]), format!("{} mm/s", told.join(", "))))

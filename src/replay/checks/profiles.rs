@@ -6,10 +6,12 @@
 use super::super::boundary::{RATE, undisturbed};
 use super::super::finding::Finding;
 use super::super::given::Given;
-use super::super::recipe::{Critical, Recipe, number};
+use super::super::recipe::Recipe;
+use super::super::reversal::{self, Tally};
 use super::{Check, CheckError};
-use crate::slideway::falling::{FallingFriction, SIMULATED_STATIC, stable_limit};
-use crate::slideway::stability::{DrivenTable, SIMULATED_DAMPING};
+use crate::instruments::{CriticalVelocity, NoCriticalVelocity};
+use crate::slideway::falling::FallingFriction;
+use crate::slideway::stability::SIMULATED_DAMPING;
 use crate::slideway::units::MM_PER_S;
 
 pub(super) const CHECKS: &[Check] = &[
@@ -51,18 +53,17 @@ pub(super) fn recipe(given: &Given) -> Result<Recipe, CheckError> {
 }
 
 /// A profile up to a command and back.
-fn profile(recipe: Recipe, rate: f64, highest: f64) -> Result<Critical, CheckError> {
-    let turn = highest / rate;
-    let run = recipe.set("v_rate", rate).set("v_turn", turn).lasting(2.0 * turn).recording(&["v_i", "v_o"]);
+fn profile(recipe: Recipe, rate: f64, highest: f64) -> Result<CriticalVelocity, CheckError> {
+    let run = recipe.there_and_back(highest, rate).recording(&["v_i", "v_o"]);
     Ok(run.run("profile", "")?.critical()?)
 }
 
-fn given_profile(given: &Given) -> Result<Critical, CheckError> {
+fn given_profile(given: &Given) -> Result<CriticalVelocity, CheckError> {
     profile(recipe(given)?, given.number_or("rate", RATE)?, given.number_or("to", HIGHEST)?)
 }
 
 /// Reads one of the two critical velocities.
-type Which = fn(&Critical) -> Option<f64>;
+type Which = fn(&CriticalVelocity) -> Result<f64, NoCriticalVelocity>;
 
 fn which(given: &Given) -> Result<Which, CheckError> {
     let known: [(&str, Which); 2] =
@@ -70,10 +71,9 @@ fn which(given: &Given) -> Result<Which, CheckError> {
     Ok(given.word("of", &known)?)
 }
 
-fn read(velocity: Option<f64>) -> Result<f64, CheckError> {
-    velocity
-        .map(|velocity| velocity / MM_PER_S)
-        .ok_or_else(|| CheckError::Run("no oscillation is seen".to_owned()))
+/// In mm/s.
+fn read(velocity: Result<f64, NoCriticalVelocity>) -> Result<f64, CheckError> {
+    velocity.map(|velocity| velocity / MM_PER_S).map_err(|none| CheckError::Run(none.to_string()))
 }
 
 /// A critical velocity, in mm/s.
@@ -97,39 +97,15 @@ fn rising_above_falling(given: &Given) -> Result<Finding, CheckError> {
     Ok(Finding::truth(rising > falling, format!("{rising:.2} mm/s rising, {falling:.2} mm/s falling")))
 }
 
-/// Whether no settings out of many make the falling critical velocity the higher one: K, f and Tc anywhere within the ranges of 8.4
-/// and table T9-2, VcL up to that from which on there is no oscillation.
+/// Whether no settings out of many make the falling critical velocity the higher one, with noise of so many m/s on the command.
 fn never_reversed(given: &Given) -> Result<Finding, CheckError> {
-    let count = given.number("settings")? as u64;
-    let turn = HIGHEST / RATE;
-    let recipe = Recipe::of("fig-8-16").set("v_turn", turn).lasting(2.0 * turn);
-    let settings = (0..count).map(settings).collect::<Result<_, _>>()?;
-    let rows = recipe.sweep_rows(&["K", "f", "Tc", "VcL"], settings, &["critical_velocity"])?;
-    let critical = rows.into_iter().map(|row| {
-        let mut cells = row.cells.into_iter().map(|cell| cell.and_then(number));
-        (cells.next().flatten(), cells.next().flatten())
-    });
-    let falling: Vec<_> = critical.filter_map(|(rising, falling)| Some((rising, falling?))).collect();
-    let reversed =
-        falling.iter().filter(|(rising, falling)| rising.is_none_or(|rising| *falling >= rising)).count();
+    let tally = reversal::tally(given.number("settings")? as u64, given.number("noise")?)?;
+    let Tally { settings, comparable, reversed, not_ended, quiet } = tally;
     let found = format!(
-        "{reversed} of {} that oscillate again as the command falls, out of {count} settings",
-        falling.len()
+        "{reversed} of {comparable} that oscillate again as the command falls; {not_ended} still oscillate where it turns, {quiet} not \
+         again, of {settings} settings"
     );
-    Ok(Finding::truth(reversed == 0 && !falling.is_empty(), found))
-}
-
-/// Settings by their number: a sequence that fills the ranges evenly, the multiples of powers of the root of x^5 = x + 1.
-fn settings(number: u64) -> Result<Vec<f64>, CheckError> {
-    const ROOT: f64 = 1.167_303_978_261_418_7;
-    const RANGES: [(f64, f64); 3] = [(11e6, 45e6), (5e3, 21.4e3), (0.006, 0.025)];
-    const LIMIT: (f64, f64) = (1.27e-3, 25.4e-3);
-    let share = |place: i32| (0.5 + (number + 1) as f64 / ROOT.powi(place)).fract();
-    let between = |(low, high): (f64, f64), place: i32| low + share(place) * (high - low);
-    let [stiffness, damping, memory] = [0, 1, 2].map(|place| between(RANGES[place], place as i32 + 1));
-    let table = DrivenTable { stiffness, damping, ..DrivenTable::simulated(memory) };
-    let limit = stable_limit(SIMULATED_STATIC, table.critical_slope()?)?.min(LIMIT.1);
-    Ok(vec![stiffness, damping, memory, between((LIMIT.0, limit), 4)])
+    Ok(Finding::truth(reversed == 0 && comparable > 0, found))
 }
 
 /// Whether a critical velocity moves as stated when one setting goes from one value to another: `vary` names it, `rate` among
@@ -156,7 +132,8 @@ fn critical_velocity_moves(given: &Given) -> Result<Finding, CheckError> {
 fn overruns(given: &Given) -> Result<Finding, CheckError> {
     let (limit, memory) = (given.number("VcL")?, given.number("Tc")?);
     let ramp = read(given_profile(given)?.rising)?;
-    let quiet = read(undisturbed(&[("VcL", limit), ("Tc", memory)], limit)?)?;
+    let quiet = undisturbed(&[("VcL", limit), ("Tc", memory)], limit)?;
+    let quiet = quiet.ok_or_else(|| CheckError::Run("no disturbance grows".to_owned()))? / MM_PER_S;
     Ok(Finding::truth(
         ramp > quiet,
         format!("{ramp:.2} mm/s by the ramp; small disturbances grow below {quiet:.2} mm/s"),
@@ -177,8 +154,7 @@ fn lag_moved(given: &Given) -> Result<Finding, CheckError> {
 fn first_jump(given: &Given) -> Result<Finding, CheckError> {
     let jump = |friction: f64| -> Result<f64, CheckError> {
         let recipe = recipe(given)?.set("Fs", friction).set("v_rate", RATE).lasting(1.0).recording(&["v_o"]);
-        let most = recipe.run("jump", "")?.measure("most:v_o")?[0];
-        read(most)
+        Ok(recipe.run("jump", "")?.measure("most:v_o")? / MM_PER_S)
     };
     let forces = given.numbers("forces")?;
     let jumps = forces.iter().map(|force| jump(*force)).collect::<Result<Vec<_>, _>>()?;

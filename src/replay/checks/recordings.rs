@@ -4,6 +4,7 @@
 
 use super::super::boundary::RATE;
 use super::super::finding::Finding;
+use super::super::frequency;
 use super::super::given::Given;
 use super::super::recipe::{Recipe, Replayed};
 use super::profiles::recipe;
@@ -23,6 +24,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check { name: "even-halves", run: even_halves },
     Check { name: "loops-shrink", run: loops_shrink },
     Check { name: "follows-linearly", run: follows_linearly },
+    Check { name: "limit-of-frequency", run: limit_of_frequency },
 ];
 
 /// A swing of velocity above this, peak to peak in mm/s, is oscillation.
@@ -30,7 +32,7 @@ pub(super) const OSCILLATES: f64 = 1e3 * Criterion::USUAL.threshold;
 
 /// A run at a steady command, four seconds long.
 pub(super) fn steady(recipe: Recipe, command: f64) -> Result<Replayed, CheckError> {
-    let recipe = recipe.set("v_start", command).set("v_rate", 0.0).lasting(4.0).every(2e-4);
+    let recipe = recipe.steady(command).lasting(4.0).every(2e-4);
     Ok(recipe.recording(&["v_o", "spring_force"]).run("steady", "")?)
 }
 
@@ -44,9 +46,8 @@ pub(super) fn range(run: &Replayed) -> Result<(f64, f64), CheckError> {
     Ok((least / MM_PER_S, most / MM_PER_S))
 }
 
-pub(super) fn frequency(run: &Replayed) -> Result<f64, CheckError> {
-    let read = run.measure("frequency:spring_force,last=1")?[0];
-    read.ok_or_else(|| CheckError::Run("no oscillation is seen".to_owned()))
+pub(super) fn hertz(run: &Replayed) -> Result<f64, CheckError> {
+    Ok(run.measure("frequency:spring_force,last=1")?)
 }
 
 /// How far the spring force of a minute's way to VcL lies from the steady curve at most, in percent of Fs: after five time
@@ -69,12 +70,12 @@ fn steady_curve(given: &Given) -> Result<Finding, CheckError> {
 
 /// Cycles a second of the spring force, in Hz.
 fn oscillation_frequency(given: &Given) -> Result<Finding, CheckError> {
-    Ok(Finding::Number(frequency(&steady(recipe(given)?, given.number("at")?)?)?))
+    Ok(Finding::Number(hertz(&steady(recipe(given)?, given.number("at")?)?)?))
 }
 
 /// Whether the frequency rises from each command to the next.
 fn frequency_rises(given: &Given) -> Result<Finding, CheckError> {
-    let at = |command: &f64| frequency(&steady(recipe(given)?, *command)?);
+    let at = |command: &f64| hertz(&steady(recipe(given)?, *command)?);
     let frequencies = given.numbers("at")?.iter().map(at).collect::<Result<Vec<_>, _>>()?;
     let told: Vec<_> = frequencies.iter().map(|frequency| format!("{frequency:.1}")).collect();
     let holds = frequencies.windows(2).all(|pair| pair[1] > pair[0]);
@@ -135,6 +136,15 @@ fn loops_shrink(given: &Given) -> Result<Finding, CheckError> {
     let told: Vec<_> = swings.iter().map(|(v, force)| format!("{v:.2} mm/s by {force:.0} N")).collect();
     let shrinks = swings.windows(2).all(|pair| pair[1].0 < pair[0].0 && pair[1].1 < pair[0].1);
     Ok(Finding::shape(shrinks && surrounds, told.join(", then ")))
+}
+
+/// The largest VcL, in mm/s, at which the table swings so many times a second at a command.
+fn limit_of_frequency(given: &Given) -> Result<Finding, CheckError> {
+    let (command, hertz) = (given.number("at")?, given.number("Hz")?);
+    let limits = frequency::limits_at(command, &frequency::by_limit(command)?, hertz)?;
+    let largest =
+        limits.last().ok_or_else(|| CheckError::Run("that frequency does not come out".to_owned()))?;
+    Ok(Finding::Number(largest.0 / MM_PER_S))
 }
 
 /// How far velocity lies from the command of a table without solid friction, once its first swings are over, in percent of the

@@ -9,7 +9,7 @@ use super::super::finding::Finding;
 use super::super::given::Given;
 use super::super::recipe::{Recipe, Replayed};
 use super::profiles::{HIGHEST, recipe};
-use super::recordings::{OSCILLATES, frequency, range, steady};
+use super::recordings::{OSCILLATES, hertz, range, steady};
 use super::shipped::setting;
 use super::{Check, CheckError};
 use crate::instruments::{Criterion, CyclesError, NoCriticalVelocity, critical_velocity, cycles};
@@ -311,12 +311,12 @@ fn even_halves_near_the_end(given: &Given) -> Result<Finding, CheckError> {
 
 /// The frequency of the spring force there, in Hz.
 fn frequency_near_the_end(given: &Given) -> Result<Finding, CheckError> {
-    Ok(Finding::Number(frequency(&near_the_end(given)?.1)?))
+    Ok(Finding::Number(hertz(&near_the_end(given)?.1)?))
 }
 
 /// By how many percent potentiometers that are each 1 % off move the frequency of oscillation: the root of the sum of squares.
 fn pots_move_frequency(given: &Given) -> Result<Finding, CheckError> {
-    const OFF: f64 = 1.01;
+    const OFF: f64 = 0.99;
     let (command, pots) = (given.number("at")?, ["PC5", "PA5", "PA4", "PA3", "PC2", "PA2", "PA1", "PC1"]);
     let plain = frequency_of(recipe(given)?, command)?;
     let circuit = recipe(given)?.circuit("pots", "")?;
@@ -330,5 +330,5 @@ fn pots_move_frequency(given: &Given) -> Result<Finding, CheckError> {
 }
 
 fn frequency_of(recipe: Recipe, command: f64) -> Result<f64, CheckError> {
-    frequency(&steady(recipe, command)?)
+    hertz(&steady(recipe, command)?)
 }

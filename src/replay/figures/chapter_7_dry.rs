@@ -288,7 +288,7 @@ fn stiffness_and_alpha(figure: &Figure) -> Result<Drawn, Problem> {
         .right_ends(0.0, 1.0);
     let (slow, fast) = (joint.at_frequency(0.0)?, joint.at_frequency(1e6)?);
     let reading = format!(
-        "of the same shape: stiffness falls to {:.3} of what it is at rest, 1 / α' to {:.3}",
+        "stiffness falls to {:.3} of what it is at rest, 1 / α' to {:.3}",
         fast.stiffness / slow.stiffness,
         1.0 / joint.response(1e6)?.0
     );
@@ -300,7 +300,7 @@ fn damping_and_alpha(figure: &Figure) -> Result<Drawn, Problem> {
     let damping = by_frequency(DAMPING)?;
     let imaginary = curve(frequencies(), |frequency| Ok(joint.response(frequency)?.1))?;
     let reading = format!(
-        "of the same shape: α'' is largest at {:.1} rad/s, CE at {:.1}, which is (1 / T)^{:.2}",
+        "α'' is largest at {:.1} rad/s, CE at {:.1}, which is (1 / T)^{:.2}",
         highest(&imaginary).0,
         highest(&damping).0,
         highest(&damping).0.ln() / (1.0 / joint.time_constant()?).ln()

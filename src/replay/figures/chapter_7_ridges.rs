@@ -110,7 +110,7 @@ fn table_of_ridges(figure: &Figure) -> Result<Drawn, Problem> {
     let less = 1.0 - oblique.overlap(KGF)? / square.overlap(KGF)?;
     let (major, minor) = oblique.semi_axes(KGF)?;
     let reading = format!(
-        "as printed but for the last digit; at 30 degrees the overlap is {:.0} % less than at 90, and the contact {:.1} times as long as wide",
+        "at 30 degrees the overlap is {:.0} % less than at 90, and the contact {:.1} times as long as wide",
         100.0 * less,
         major / minor
     );

@@ -3,7 +3,7 @@
 use super::{Drawn, Figure, Graph, Recipe, Sheet, titled, told};
 use crate::circuit::Circuit;
 use crate::instruments::parameter_line;
-use crate::replay::recipe::{Problem, Replayed};
+use crate::replay::recipe::{Problem, Replayed, velocity_told};
 use crate::schematic::Schematic;
 use crate::slideway::falling::SIMULATED_STATIC;
 use crate::slideway::stability::SIMULATED_DAMPING;
@@ -114,6 +114,8 @@ fn circuit(figure: &Figure, name: &'static str) -> Result<Drawn, Problem> {
         settings: circuit.patch().source.clone(),
         reading: inventory(&circuit),
         patches: vec![circuit.patch().clone()],
+        commands: vec![format!("patchcord draw {}", circuit.patch().file())],
+        table: None,
     })
 }
 
@@ -224,9 +226,7 @@ fn three_biases(figure: &Figure) -> Result<Drawn, Problem> {
 
 fn lag(figure: &Figure) -> Result<Drawn, Problem> {
     let run = figure.run(&Recipe::of("fig-8-15"), "")?;
-    let swing = |signal: &str| {
-        Ok::<_, Problem>(run.measure(&format!("amplitude:{signal},last=0.2"))?[0].unwrap_or_default())
-    };
+    let swing = |signal: &str| run.measure(&format!("amplitude:{signal},last=0.2"));
     let reading = format!("{:.2} V come out as {:.2} V", swing("in")?, swing("out")?);
     Drawn::of_run(&run, reading)
 }
@@ -234,11 +234,13 @@ fn lag(figure: &Figure) -> Result<Drawn, Problem> {
 fn straight_lines(figure: &Figure) -> Result<Drawn, Problem> {
     let mut graph =
         Graph::new(&figure.heading(), ("v_o", "mm/s"), ("friction", "N")).across(0.0, 6.0).up(0.0, 800.0);
-    let mut runs = Vec::new();
+    let (mut runs, mut furthest) = (Vec::new(), 0.0_f64);
     for (limit, which) in THREE_LIMITS.into_iter().zip(["a", "b", "c"]) {
         let run = straight(figure, limit, which)?;
         let (velocity, level) = (run.values("v_o")?, run.values("friction_level")?);
         let friction = velocity.iter().zip(&level).filter(|(velocity, _)| **velocity > 0.0);
+        let line = |velocity: f64| (SIMULATED_STATIC * (1.0 - velocity / limit)).max(0.0);
+        furthest = friction.clone().fold(furthest, |most, (v, level)| most.max((level - line(*v)).abs()));
         let mut points: Vec<_> = friction
             .map(|(velocity, level)| (velocity / MM_PER_S, level + SIMULATED_DAMPING * velocity))
             .collect();
@@ -246,10 +248,12 @@ fn straight_lines(figure: &Figure) -> Result<Drawn, Problem> {
         graph = graph.line(format!("VcL = {}", told(limit, "m/s")), points);
         runs.push(run);
     }
-    let reading = "friction falls from 771 N to the line of viscous friction, f v, which it meets at VcL: dead-zone level and \
-                   viscous part of the running circuit at every velocity that it passes through";
+    let reading = format!(
+        "dead-zone level and viscous part at every velocity that the run passes through: never further than {furthest:.1} N from \
+         Fs (1 - v / VcL) + f v"
+    );
     let runs: Vec<_> = runs.iter().collect();
-    Drawn::of_runs(&runs, vec![graph.picture()], runs[1].settings(), reading.to_owned())
+    Drawn::of_runs(&runs, vec![graph.picture()], runs[1].settings(), reading)
 }
 
 fn position_ramp(figure: &Figure) -> Result<Drawn, Problem> {
@@ -286,8 +290,8 @@ fn straight_profile(figure: &Figure) -> Result<Drawn, Problem> {
     let reading = format!(
         "the text ends oscillation at VcL itself, 2.54 mm/s; the ideal circuit ends it at {} rising, and begins it at {} \
          falling (swings above 0.25 mm/s within 0.04 s, no noise)",
-        critical.rising_told(),
-        critical.falling_told(),
+        velocity_told(critical.rising),
+        velocity_told(critical.falling),
     );
     let titles = ["(a) system velocity profile, command rising and falling", "(b) stick-slip at 1 mm/s"];
     let pictures = profile.pictures()?.into_iter().chain(stick_slip.pictures()?);

@@ -1,9 +1,10 @@
 //! Chapter 8, third part: critical velocities of many settings.
 
 use super::graph::{by_ratio, evenly};
-use super::{Drawn, Figure, Graph, Recipe, told};
-use crate::replay::boundary::{self, MEMORIES, RATE, axis, of_memory};
-use crate::replay::recipe::{Problem, first_number};
+use super::{Drawn, Figure, Graph, Sweep, listed, told};
+use crate::replay::boundary::{self, MEMORIES, RATE, of_memory};
+use crate::replay::recipe::{Problem, velocity_told};
+use crate::slideway::SlidewayError;
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::simulated::SLOPE_BY_MEMORY;
 use crate::slideway::stability::{DrivenTable, SIMULATED_DAMPING};
@@ -34,6 +35,12 @@ pub(super) const FIGURES: &[Figure] = &[
     },
 ];
 
+/// The sweep of every time constant with some values of VcL.
+fn as_swept(limits: &[f64]) -> Sweep {
+    let vary = vec![("VcL", listed(limits)), ("Tc", listed(&MEMORIES))];
+    Sweep { which: "", recipe: boundary::ramp(RATE), vary, measure: "critical_velocity" }
+}
+
 /// Of the sweep's time constants these are drawn, in s.
 const DRAWN: [f64; 5] = [0.006, 0.0071, 0.010, 0.015, 0.025];
 
@@ -47,7 +54,7 @@ fn by_limit(figure: &Figure) -> Result<Drawn, Problem> {
     for memory in DRAWN {
         let name = format!("Tc = {}", told(memory, "s"));
         let points = of_memory(ceased, memory)
-            .filter_map(|ceased| Some((ceased.limit / MM_PER_S, ceased.velocity? / MM_PER_S)));
+            .filter_map(|ceased| Some((ceased.limit / MM_PER_S, ceased.velocity.ok()? / MM_PER_S)));
         simulated = simulated.line(&name, points.collect());
         let slope = SLOPE_BY_MEMORY.at(memory) * N_S_PER_MM;
         let law = evenly(0.5e-3, 25.4e-3, 100).filter_map(|limit| {
@@ -56,64 +63,70 @@ fn by_limit(figure: &Figure) -> Result<Drawn, Problem> {
         });
         printed = printed.line(&name, law.collect());
     }
-    let (_, law) = boundary::slopes_at_tops(ceased)?;
-    let tops: Vec<_> = MEMORIES.iter().filter_map(|memory| boundary::top(ceased, *memory)).collect();
+    let (_, law) = boundary::slopes_at_tops()?;
+    let tops = boundary::tops()?;
     let (first, last) = (tops[0], tops[tops.len() - 1]);
     let reading = format!(
         "the highest is {} at 6 ms, at VcL = {}, and {} at 25 ms; slopes at the tops go with {:.2e} Tc^{:.2} N s/mm",
-        told(first.velocity.unwrap_or_default(), "m/s"),
+        velocity_told(first.velocity),
         told(first.limit, "m/s"),
-        told(last.velocity.unwrap_or_default(), "m/s"),
+        velocity_told(last.velocity),
         law.factor,
         law.exponent,
     );
-    let run = figure.run(&Recipe::of("fig-8-16").set("VcL", 15.24e-3).lasting(12.0), "")?;
-    Drawn::of_runs(&[&run], vec![simulated.picture(), printed.picture()], run.settings(), reading)
+    Drawn::of_sweeps(
+        figure,
+        &[as_swept(&boundary::limits())],
+        vec![simulated.picture(), printed.picture()],
+        reading,
+    )
 }
+
+/// A law of the slope at which oscillation ends, in N s/m by time constant in s.
+type SlopeLaw = (&'static str, fn(f64) -> Result<f64, SlidewayError>);
 
 fn by_memory(figure: &Figure) -> Result<Drawn, Problem> {
     let limits = [2.54e-3, 10.16e-3, 25.4e-3];
     let ceased = boundary::sweep()?;
-    let mut graph =
-        Graph::new(&figure.heading(), ("Tc", "ms"), ("Vc", "mm/s")).across(0.0, 25.0).up(0.0, 24.0);
-    for limit in limits {
-        let at = ceased.iter().filter(|ceased| (ceased.limit - limit).abs() < 1e-9);
-        let points = at.filter_map(|ceased| Some((ceased.memory / MS, ceased.velocity? / MM_PER_S)));
-        graph = graph.dots(format!("simulated, VcL = {}", told(limit, "m/s")), points.collect());
-    }
-    for limit in limits {
-        let law = by_ratio(0.5e-3, 25e-3, 200).filter_map(|memory| {
-            let friction = FallingFriction::simulated(limit);
-            let velocity = DrivenTable::simulated(memory).critical_velocity(&friction).ok()?;
-            (velocity > 0.0).then_some((memory / MS, velocity / MM_PER_S))
-        });
-        graph = graph.line(format!("Routh-Hurwitz, {}", told(limit, "m/s")), law.collect());
-    }
+    let slopes: [SlopeLaw; 2] = [
+        ("(a) by Routh-Hurwitz", |memory| DrivenTable::simulated(memory).critical_slope()),
+        ("(b) by the study's law (4-9), Cn = 7.5e4 Tc^1.54", |memory| {
+            Ok(SLOPE_BY_MEMORY.at(memory) * N_S_PER_MM)
+        }),
+    ];
+    let pictures = slopes.map(|(title, slope)| {
+        let mut graph = Graph::new(title, ("Tc", "ms"), ("Vc", "mm/s")).across(0.0, 25.0).up(0.0, 24.0);
+        for limit in limits {
+            let at = ceased.iter().filter(|ceased| (ceased.limit - limit).abs() < 1e-9);
+            let points = at.filter_map(|ceased| Some((ceased.memory / MS, ceased.velocity.ok()? / MM_PER_S)));
+            graph = graph.dots(format!("simulated, VcL = {}", told(limit, "m/s")), points.collect());
+        }
+        for limit in limits {
+            let law = by_ratio(0.5e-3, 25e-3, 200).filter_map(|memory| {
+                let velocity =
+                    FallingFriction::simulated(limit).velocity_at_slope(slope(memory).ok()?).ok()?;
+                (velocity > 0.0).then_some((memory / MS, velocity / MM_PER_S))
+            });
+            graph = graph.line(format!("law, {}", told(limit, "m/s")), law.collect());
+        }
+        graph.picture()
+    });
     let limiting = FallingFriction::simulated(25.4e-3).velocity_of_least(SIMULATED_DAMPING)?;
     let reading = format!(
         "as Tc tends to 0, Vc tends to VcL (1 - f VcL / (2 Fs)): {} for 25.4 mm/s, not 25.4 mm/s",
         told(limiting, "m/s")
     );
-    let run = figure.run(&Recipe::of("fig-8-16").set("VcL", 10.16e-3).lasting(12.0), "")?;
-    Drawn::of_runs(&[&run], vec![graph.picture()], run.settings(), reading)
+    Drawn::of_sweeps(figure, &[as_swept(&limits)], pictures.to_vec(), reading)
 }
 
 /// The stiffnesses of the study's tests lie within 5 ... 45 kN/mm; in N/m.
 const STIFFNESSES: [f64; 9] = [5e6, 7.5e6, 10e6, 12.5e6, 15e6, 20e6, 25e6, 30e6, 45e6];
 
 fn by_stiffness(figure: &Figure) -> Result<Drawn, Problem> {
-    let limit = 40e-3;
-    // A3 stands at 100 V at 25.4 mm/s: what moves faster is beyond the machine.
-    let recipe = Recipe::of("fig-8-16").set("VcL", limit).set("Tc", 0.0071).set("v_rate", RATE).lasting(20.0);
-    let rows = recipe.sweep(&[axis("K", &STIFFNESSES)], &["critical_velocity"])?;
-    let simulated: Vec<_> = rows
-        .into_iter()
-        .filter_map(|row| {
-            let velocity = first_number(&row)?;
-            Some((row.values[0] / N_PER_MM / 1e3, velocity / MM_PER_S))
-        })
-        .collect();
-    let friction = FallingFriction::simulated(limit);
+    let read = boundary::by_stiffness(&STIFFNESSES)?.into_iter();
+    let simulated: Vec<_> =
+        read.map(|(stiffness, velocity)| (stiffness / N_PER_MM / 1e3, velocity / MM_PER_S)).collect();
+    let friction = boundary::friction_of_other_stiffness();
     let stiffnesses = by_ratio(4e6, 45e6, 100);
     let theory = stiffnesses.clone().filter_map(|stiffness| {
         let table = DrivenTable { stiffness, ..DrivenTable::simulated(0.0071) };
@@ -131,7 +144,12 @@ fn by_stiffness(figure: &Figure) -> Result<Drawn, Problem> {
         .line("Routh-Hurwitz", theory.collect())
         .line("the study's Cn = 16 K^0.077", law.collect());
     let told: Vec<_> = simulated.iter().map(|(k, v)| format!("{v:.1} mm/s at {k} kN/mm")).collect();
-    let reading = format!("it falls as the drive gets stiffer: {}", told.join(", "));
-    let run = figure.run(&recipe, "")?;
-    Drawn::of_runs(&[&run], vec![graph.picture()], run.settings(), reading)
+    let reading = format!("oscillation ends at {}", told.join(", "));
+    let sweep = Sweep {
+        which: "",
+        recipe: boundary::ramp_of_other_stiffness(),
+        vary: vec![("K", listed(&STIFFNESSES))],
+        measure: "critical_velocity",
+    };
+    Drawn::of_sweeps(figure, &[sweep], vec![graph.picture()], reading)
 }

@@ -7,8 +7,8 @@ use super::graph::evenly;
 use super::{Drawn, Figure, Graph, Recipe, titled, told};
 use crate::instruments::{Criterion, FrictionLoop, cycles, friction_loop};
 use crate::plot::{Channel, Picture};
-use crate::replay::boundary::{RATE, axis};
-use crate::replay::recipe::{Problem, Replayed, first_number};
+use crate::replay::boundary::RATE;
+use crate::replay::recipe::{Problem, Replayed, velocity_told};
 use crate::slideway::falling::{FallingFriction, SIMULATED_STATIC};
 use crate::slideway::stability::{DrivenTable, SIMULATED_DAMPING};
 use crate::slideway::units::{MM_PER_S, UM};
@@ -76,7 +76,7 @@ pub(super) const FIGURES: &[Figure] = &[
         id: "fig-8-27",
         place: "8.4",
         title: "profiles for a rising and a falling command",
-        claims: &[],
+        claims: &["8-125", "8-126.a", "8-126.b", "8-126.c"],
         draw: there_and_back,
     },
     Figure {
@@ -93,27 +93,6 @@ pub(super) const FIGURES: &[Figure] = &[
         claims: &[],
         draw: faster,
     },
-    Figure {
-        id: "fig-8-32",
-        place: "8.5",
-        title: "stick-slip then quasi-harmonic motion, and quasi-harmonic motion alone",
-        claims: &[],
-        draw: two_profiles,
-    },
-    Figure {
-        id: "fig-8-33",
-        place: "8.5",
-        title: "quasi-harmonic motion near the critical velocity",
-        claims: &[],
-        draw: near_critical,
-    },
-    Figure {
-        id: "fig-8-34",
-        place: "8.5",
-        title: "quasi-harmonic motion just following stick-slip",
-        claims: &[],
-        draw: just_after,
-    },
 ];
 
 /// Of the printed values of VcL up to 40 V the one at which oscillation ends while solid friction still falls, in m/s.
@@ -126,19 +105,9 @@ fn final_circuit() -> Recipe {
     Recipe::of("fig-8-16").set("VcL", LIMIT)
 }
 
-/// The command stands still.
-fn steady(recipe: Recipe, velocity: f64) -> Recipe {
-    recipe.set("v_start", velocity).set("v_rate", 0.0)
-}
-
 /// The command rises from 0 to its highest.
-fn rising(recipe: Recipe, rate: f64) -> Recipe {
+pub(super) fn rising(recipe: Recipe, rate: f64) -> Recipe {
     recipe.set("v_rate", rate).lasting(HIGHEST / rate)
-}
-
-/// The command rises to its highest and comes back.
-fn returning(recipe: Recipe, rate: f64) -> Recipe {
-    recipe.set("v_rate", rate).set("v_turn", HIGHEST / rate).lasting(2.0 * HIGHEST / rate)
 }
 
 /// Velocity and spring force of sliding steadily, as theory has it.
@@ -179,7 +148,7 @@ const STICKING: (f64, f64) = (3.81e-3, 0.3e-3);
 /// Stick-slip as the next three recordings show it.
 fn stick_slip(figure: &Figure, y: &[&[&str]]) -> Result<Replayed, Problem> {
     let (limit, command) = STICKING;
-    let recipe = steady(Recipe::of("fig-8-16").set("VcL", limit), command).lasting(1.0).every(2e-4);
+    let recipe = Recipe::of("fig-8-16").set("VcL", limit).steady(command).lasting(1.0).every(2e-4);
     figure.run(&y.iter().fold(recipe, |recipe, y| recipe.picture("", "t", y)), "")
 }
 
@@ -192,7 +161,7 @@ fn position_and_velocity(figure: &Figure) -> Result<Drawn, Problem> {
     let position = Graph::new("position", ("t", "s"), ("x", "um")).line("x_i", command).line("x_o", output);
     let mut pictures = vec![position.note(run.settings()).picture()];
     pictures.extend(run.pictures()?.into_iter().map(|picture| titled(picture, "velocity")));
-    let slips = run.measure("frequency:v_o,last=0.8")?[0].unwrap_or_default();
+    let slips = run.measure("frequency:v_o,last=0.8")?;
     let command = told(STICKING.1, "m/s");
     let reading = format!(
         "the table rests and jumps, {slips:.1} times a second, while the command goes on at {command}"
@@ -209,7 +178,7 @@ fn velocity_and_acceleration(figure: &Figure) -> Result<Drawn, Problem> {
 
 fn position_error(figure: &Figure) -> Result<Drawn, Problem> {
     let run = stick_slip(figure, &[&["x_error"]])?;
-    let swing = run.measure("amplitude:x_error,last=0.8")?[0].unwrap_or_default();
+    let swing = run.measure("amplitude:x_error,last=0.8")?;
     let reading =
         format!("a saw tooth of {}: the drive is wound up while the table rests", told(2.0 * swing, "m"));
     Drawn::of_run(&run, reading)
@@ -220,7 +189,7 @@ fn dynamic_loop(
     figure: &Figure,
     (limit, command): (f64, f64),
 ) -> Result<(Replayed, FrictionLoop, Picture), Problem> {
-    let recipe = steady(Recipe::of("fig-8-16").set("VcL", limit), command).lasting(2.0).every(1e-4);
+    let recipe = Recipe::of("fig-8-16").set("VcL", limit).steady(command).lasting(2.0).every(1e-4);
     let run = figure.run(&recipe.picture("", "v_o", &["spring_force"]), "")?;
     let (velocity, force) = (run.values("v_o")?, run.values("spring_force")?);
     let cycle = friction_loop(&run.trace.time, &velocity, &force, 3, 0.05e-3)?;
@@ -264,7 +233,7 @@ fn profile(figure: &Figure) -> Result<Drawn, Problem> {
     let run = figure.run(&rising(final_circuit(), RATE).picture(&figure.heading(), "v_i", &["v_o"]), "")?;
     let reading = format!(
         "oscillation ends at {} (swings above 0.25 mm/s within 0.04 s); all friction is least at {}",
-        run.critical()?.rising_told(),
+        velocity_told(run.critical()?.rising),
         told(least_friction()?, "m/s")
     );
     Drawn::of_run(&run, reading)
@@ -276,7 +245,7 @@ fn error_force(figure: &Figure) -> Result<Drawn, Problem> {
     let mut pictures = run.pictures()?;
     pictures[0].channels[0].name = "spring force".to_owned();
     pictures[0].channels.push(Channel::line("steady friction", steady_friction(LIMIT, HIGHEST)?));
-    let critical = run.critical()?.rising.ok_or("oscillation does not end")?;
+    let critical = run.critical()?.rising?;
     let slope = SIMULATED_DAMPING - FallingFriction::simulated(LIMIT).slope(critical)?;
     let reading = format!(
         "oscillation ends at {}, where steady friction still falls by {:.1} N s/mm",
@@ -291,13 +260,10 @@ const COMMANDS: [f64; 14] =
     [0.2e-3, 0.4e-3, 0.7e-3, 1e-3, 1.4e-3, 2e-3, 2.5e-3, 3e-3, 3.5e-3, 4e-3, 5e-3, 6e-3, 6.5e-3, 6.8e-3];
 
 fn frequency(figure: &Figure) -> Result<Drawn, Problem> {
-    let recipe = steady(final_circuit(), 1e-3).lasting(4.0).every(5e-4);
-    let rows = recipe.sweep(&[axis("v_start", &COMMANDS)], &["frequency:spring_force,last=1.5"])?;
-    let read = rows.into_iter().filter_map(|row| {
-        let frequency = first_number(&row)?;
-        Some((row.values[0] / MM_PER_S, frequency))
-    });
-    let points: Vec<_> = read.collect();
+    let recipe = final_circuit().steady(1e-3).lasting(4.0).every(5e-4).recording(&["spring_force"]);
+    let read = recipe.along("v_start", &COMMANDS, |run| run.measure("frequency:spring_force,last=1.5"))?;
+    let points: Vec<_> =
+        read.into_iter().map(|(command, frequency)| (command / MM_PER_S, frequency)).collect();
     let natural = DrivenTable::simulated(0.0065).natural_frequency()? / std::f64::consts::TAU;
     let reading = format!(
         "it rises from {:.1} Hz at {} mm/s to {:.1} Hz at {} mm/s; the table's natural frequency is {natural:.1} Hz",
@@ -328,27 +294,27 @@ fn both_ways(run: &Replayed, title: &str) -> Result<Picture, Problem> {
 }
 
 fn there_and_back(figure: &Figure) -> Result<Drawn, Problem> {
-    let run = figure.run(&returning(final_circuit(), RATE), "")?;
+    let run = figure.run(&final_circuit().there_and_back(HIGHEST, RATE), "")?;
     let critical = run.critical()?;
     let reading = format!(
         "oscillation ends at {} while the command rises, and begins at {} while it falls (nothing disturbs it but the run itself)",
-        critical.rising_told(),
-        critical.falling_told()
+        velocity_told(critical.rising),
+        velocity_told(critical.falling)
     );
     Drawn::of_runs(&[&run], vec![both_ways(&run, &figure.heading())?], run.settings(), reading)
 }
 
 fn twice_as_fast(figure: &Figure) -> Result<Drawn, Problem> {
-    let runs = [RATE, 2.0 * RATE].map(|rate| returning(final_circuit(), rate));
+    let runs = [RATE, 2.0 * RATE].map(|rate| final_circuit().there_and_back(HIGHEST, rate));
     let [slow, fast] = [figure.run(&runs[0], "slow")?, figure.run(&runs[1], "fast")?];
     let pictures = vec![both_ways(&slow, "(a) 1.2 mm/s2")?, both_ways(&fast, "(b) 2.4 mm/s2")?];
     let (before, after) = (slow.critical()?, fast.critical()?);
     let reading = format!(
         "rising from {} to {}, falling from {} to {}",
-        before.rising_told(),
-        after.rising_told(),
-        before.falling_told(),
-        after.falling_told()
+        velocity_told(before.rising),
+        velocity_told(after.rising),
+        velocity_told(before.falling),
+        velocity_told(after.falling)
     );
     Drawn::of_runs(&[&slow, &fast], pictures, slow.settings(), reading)
 }
@@ -362,107 +328,8 @@ fn faster(figure: &Figure) -> Result<Drawn, Problem> {
     let pictures = slow.pictures()?.into_iter().chain(fast.pictures()?).collect();
     let reading = format!(
         "swings above 0.25 mm/s end at {}; at twice the rate, at {}",
-        slow.critical()?.rising_told(),
-        fast.critical()?.rising_told()
+        velocity_told(slow.critical()?.rising),
+        velocity_told(fast.critical()?.rising)
     );
     Drawn::of_runs(&[&slow, &fast], pictures, slow.settings(), reading)
-}
-
-/// VcL of the two profiles: of Fig 8.34's caption, and one at which only the first jump comes to rest, in m/s.
-const TWO: [f64; 2] = [2.54e-3, 10.16e-3];
-
-fn two_profiles(figure: &Figure) -> Result<Drawn, Problem> {
-    let titles = ["(a) stick-slip, then quasi-harmonic", "(b) quasi-harmonic after the first jump"];
-    let mut runs = Vec::new();
-    for ((limit, title), which) in TWO.into_iter().zip(titles).zip(["a", "b"]) {
-        let recipe = Recipe::of("fig-8-16").set("VcL", limit).picture(title, "v_i", &["v_o"]);
-        runs.push(figure.run(&rising(recipe, RATE), which)?);
-    }
-    let pictures = runs[0].pictures()?.into_iter().chain(runs[1].pictures()?).collect();
-    let reading = format!(
-        "they end at {} and {}",
-        runs[0].critical()?.rising_told(),
-        runs[1].critical()?.rising_told()
-    );
-    let settings = runs[0].settings();
-    Drawn::of_runs(&runs.iter().collect::<Vec<_>>(), pictures, settings, reading)
-}
-
-fn near_critical(figure: &Figure) -> Result<Drawn, Problem> {
-    let commands = [4e-3, 6.8e-3];
-    let (mut runs, mut readings) = (Vec::new(), Vec::new());
-    for ((limit, command), which) in TWO.into_iter().zip(commands).zip(["a", "b"]) {
-        let title = format!("({which}) VcL = {}, at {}", told(limit, "m/s"), told(command, "m/s"));
-        let recipe = steady(Recipe::of("fig-8-16").set("VcL", limit), command).lasting(4.0).every(2e-4);
-        let run = figure.run(&recipe.picture(&title, "t", &["v_o"]), which)?;
-        let frequency = run.measure("frequency:v_o,last=1")?[0].ok_or("no frequency is read")?;
-        readings.push(format!("{frequency:.1} Hz at {}", told(command, "m/s")));
-        runs.push(run);
-    }
-    let natural = DrivenTable::simulated(0.0065).natural_frequency()? / std::f64::consts::TAU;
-    let shown = |run: &Replayed| -> Result<Vec<Picture>, Problem> {
-        // Long settled, a few cycles of it.
-        let points = run.points(("t", 1.0), ("v_o", MM_PER_S))?;
-        let graph = Graph::new(&run.patch().pictures[0].title, ("t", "s"), ("v_o", "mm/s"));
-        let cycles = points.into_iter().filter(|(time, _)| *time >= 3.8).collect();
-        Ok(vec![graph.line("v_o", cycles).note(run.settings()).picture()])
-    };
-    let pictures = shown(&runs[0])?.into_iter().chain(shown(&runs[1])?).collect();
-    let reading = format!("{}; the natural frequency is {natural:.1} Hz", readings.join(", "));
-    let settings = runs[0].settings();
-    Drawn::of_runs(&runs.iter().collect::<Vec<_>>(), pictures, settings, reading)
-}
-
-/// The command of Fig 8.34's caption, in m/s, and what it may mean as the scan drops decimal points. At ten times as much nothing
-/// oscillates.
-const CAPTION_COMMANDS: [f64; 2] = [2.13e-3, 0.213e-3];
-/// Values of VcL that the caption may mean, and what lies between, in m/s.
-const READINGS: [f64; 8] = [2.54e-3, 5.08e-3, 10.16e-3, 15.24e-3, 20.32e-3, 23e-3, 24e-3, 25.4e-3];
-
-/// The final circuit at a steady command, for several values of VcL: frequencies in Hz by VcL in mm/s.
-fn frequencies_by_limit(command: f64) -> Result<Vec<(f64, f64)>, Problem> {
-    let recipe = steady(Recipe::of("fig-8-16"), command).lasting(4.0).every(2e-4);
-    let rows = recipe.sweep(&[axis("VcL", &READINGS)], &["frequency:v_o,last=1"])?;
-    let read = rows.into_iter().filter_map(|row| Some((row.values[0] / MM_PER_S, first_number(&row)?)));
-    Ok(read.collect())
-}
-
-fn just_after(figure: &Figure) -> Result<Drawn, Problem> {
-    let [command, _] = CAPTION_COMMANDS;
-    let recipe = |limit| steady(Recipe::of("fig-8-16").set("VcL", limit), command).lasting(4.0).every(2e-4);
-    let (frequencies, slower) = (frequencies_by_limit(command)?, frequencies_by_limit(CAPTION_COMMANDS[1])?);
-    let mut graph = Graph::new("velocity", ("t", "s"), ("v_o", "mm/s"));
-    let mut runs = Vec::new();
-    for (limit, which) in [2.54e-3, 23e-3, 25.4e-3].into_iter().zip(["a", "b", "c"]) {
-        let run = figure.run(&recipe(limit).picture("", "t", &["v_o"]), which)?;
-        let points = run.points(("t", 1.0), ("v_o", MM_PER_S))?.into_iter();
-        let cycles = points.filter(|(time, _)| *time >= 3.85).collect();
-        graph = graph.line(format!("VcL = {}", told(limit, "m/s")), cycles);
-        runs.push(run);
-    }
-    let at = |frequencies: &[(f64, f64)], limit: f64| {
-        let found = frequencies.iter().find(|(x, _)| (x * MM_PER_S - limit).abs() < 1e-9);
-        found.map_or_else(|| "no oscillation".to_owned(), |(_, frequency)| format!("{frequency:.1} Hz"))
-    };
-    let reading = format!(
-        "the caption says 33 Hz at 2.13 mm/s with a VcL of 2.54 mm/s: we get {}, with 25.4 mm/s {}, and with 23.0 mm/s {}; at 0.213 mm/s \
-         25.4 mm/s gives {}",
-        at(&frequencies, 2.54e-3),
-        at(&frequencies, 25.4e-3),
-        at(&frequencies, 23e-3),
-        at(&slower, 25.4e-3),
-    );
-    let readings = Graph::new("frequency by what the caption may mean", ("VcL", "mm/s"), ("frequency", "Hz"))
-        .across(0.0, 30.0)
-        .up(0.0, 60.0)
-        .dots("at 2.13 mm/s", frequencies)
-        .dots("at 0.213 mm/s", slower)
-        .line("caption: 33 Hz", vec![(0.0, 33.0), (30.0, 33.0)]);
-    let settings = runs[0].settings();
-    Drawn::of_runs(
-        &runs.iter().collect::<Vec<_>>(),
-        vec![graph.picture(), readings.picture()],
-        settings,
-        reading,
-    )
 }

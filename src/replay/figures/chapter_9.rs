@@ -83,7 +83,7 @@ fn routh_hurwitz(memory: f64) -> Result<f64, SlidewayError> {
     Ok(DrivenTable::simulated(memory).critical_slope()? / N_S_PER_MM)
 }
 
-fn slope_by_memory(_: &Figure) -> Result<Drawn, Problem> {
+fn slope_by_memory(figure: &Figure) -> Result<Drawn, Problem> {
     let memories = by_ratio(MEMORIES.0, MEMORIES.1, 61);
     let in_ms = |points: Vec<(f64, f64)>| points.into_iter().map(|(x, y)| (x / MS, y)).collect::<Vec<_>>();
     let theory = curve(memories.clone(), routh_hurwitz)?;
@@ -104,9 +104,10 @@ fn slope_by_memory(_: &Figure) -> Result<Drawn, Problem> {
         "both rise alike; Routh-Hurwitz, with Tc^{:.2} (printed: 1.55), lies {:.2} times as high at 6 ms, {:.2} at 25 ms",
         fitted.exponent, short?, long?
     );
-    let settings = "M = 433 kg, K = 45 kN/mm, f = 10.7 N s/mm";
-    let (circuit, run) = slopes_of_the_circuit()?;
-    Ok(Drawn::of_theory(vec![graph.picture(), circuit], settings, format!("{reading}; {run}")))
+    let run = slopes_of_the_circuit()?;
+    let pictures = [graph.picture()].into_iter().chain(run.pictures).collect();
+    let drawn = Drawn::of_sweeps(figure, &[run.sweep], pictures, format!("{reading}; {}", run.reading))?;
+    Ok(Drawn { table: Some(run.table), ..drawn })
 }
 
 fn boundary(figure: &Figure) -> Result<Drawn, Problem> {
@@ -240,7 +241,7 @@ fn velocity_at_450_kgf(figure: &Figure) -> Result<Drawn, Problem> {
     }
     let graph = graph.label(0, "0.0059 s of T9-2; printed beside it: 16 mm/s");
     let reading = format!(
-        "at 0.34 P {} mm/s for 45, 27.6 and 11 kN/mm, measured {}: thicker oil and a stiffer drive end oscillation sooner",
+        "at 0.34 P {} mm/s for 45, 27.6 and 11 kN/mm, and {} behind the Tc of T9-2 (eq 15-9 backwards: the measurements are lost)",
         told.join(", "),
         from.join(", ")
     );

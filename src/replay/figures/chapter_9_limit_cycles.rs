@@ -62,7 +62,7 @@ fn nyquist(figure: &Figure) -> Result<Drawn, Problem> {
     let graph = graph.dots("n/a of Table T9-4", dots).dots("limit cycles", meeting);
     let cycle = table(DRIVES[0]).limit_cycle(FORCES[2])?;
     let reading = format!(
-        "every pair of curves meets once; at E/a = 20 and 45 MN/m with n/a = {:.2} at {:.0} rad/s (printed 2.10, 235)",
+        "the curves meet at E/a = 20 and 45 MN/m with n/a = {:.2} at {:.0} rad/s (printed 2.10, 235)",
         cycle.friction_by_spare(),
         cycle.frequency
     );
@@ -118,23 +118,28 @@ fn profile(figure: &Figure) -> Result<Drawn, Problem> {
         .across(15.0, 35.0)
         .up(-15.0, 60.0)
         .line("command", vec![(15.0, 15.0), (35.0, 35.0)]);
-    let (mut dots, mut told) = (Vec::new(), Vec::new());
+    let (mut dots, mut swings) = (Vec::new(), Vec::new());
+    let (mut slowest, mut rests) = (0.0, true);
     for drive in DRIVES {
         let table = table(drive);
         let motions = motions(&table, &friction)?;
-        let (fastest, slowest) = (motions[0], motions[2]);
-        let edges = edges(&table, &friction, slowest.velocity, fastest.velocity)?;
+        let (fastest, last) = (motions[0], motions[2]);
+        let edges = edges(&table, &friction, last.velocity, fastest.velocity)?;
         graph = graph.line(format!("it swings within, {drive} MN/m"), edges);
         for Oscillation { velocity, swing, .. } in motions {
             dots.extend([swing, -swing].map(|off| (velocity / MM_PER_S, (velocity + off) / MM_PER_S)));
         }
-        told.push(format!("{:.1}", slowest.swing / MM_PER_S));
+        swings.push(format!("{:.1}", last.swing / MM_PER_S));
+        slowest = last.velocity;
+        rests &= last.swing >= last.velocity;
     }
     let graph = graph.dots("E/a = 1, 5, 20 of Table T9-6", dots);
     let table = table(DRIVES[0]);
     let reading = format!(
-        "at 19.1 mm/s it swings by {} mm/s and comes to rest, stick-slip; it ends at {:.2} mm/s, where Cn is {:.2} N s/mm, whatever the drive",
-        told.join(" and "),
+        "at {:.1} mm/s it swings by {} mm/s ({}); it ends at {:.2} mm/s, where Cn is {:.2} N s/mm",
+        slowest / MM_PER_S,
+        swings.join(" and "),
+        if rests { "it comes to rest: stick-slip" } else { "it does not always come to rest" },
         motions(&table, &friction)?[0].velocity / MM_PER_S,
         table.limit_cycle(FORCES[0])?.slope / N_S_PER_MM
     );

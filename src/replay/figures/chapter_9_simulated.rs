@@ -1,12 +1,14 @@
 //! Chapter 9: the study's laws and measurements beside runs of the circuit.
 
 use super::graph::by_ratio;
-use super::{Drawn, Figure, Graph};
+use super::{Drawn, Figure, Graph, Sweep, listed};
 use crate::chain::{Compared, Settings, table_9_2};
 use crate::plot::Picture;
-use crate::replay::boundary::{self, MEMORIES, undisturbed};
+use crate::replay::boundary::{self, MEMORIES, RATE, Slopes, undisturbed};
 use crate::replay::recipe::Problem;
+use crate::replay::table::Table;
 use crate::slideway::falling::FallingFriction;
+use crate::slideway::power_law::PowerLaw;
 use crate::slideway::simulated::SLOPE_BY_MEMORY;
 use crate::slideway::stability::DrivenTable;
 use crate::slideway::units::{MM_PER_S, MS, N_PER_MM, N_S_PER_MM, POISE};
@@ -20,39 +22,102 @@ pub(super) const FIGURES: &[Figure] = &[Figure {
     draw: measured,
 }];
 
-/// Slopes at which oscillation of the circuit ends, by time constant: by ramps at two rates and by small disturbances, beside the
-/// study's law and Routh-Hurwitz; with what is read off it.
-pub(super) fn slopes_of_the_circuit() -> Result<(Picture, String), Problem> {
-    let ceased = boundary::sweep()?;
-    let (fast, law) = boundary::slopes_at_tops(ceased)?;
-    let (slow, slower_law) = boundary::slopes_at_rate(0.3e-3)?;
+/// Rates in m/s2 and thresholds in m/s at which slopes are read.
+const RATES: [f64; 4] = [2.4e-3, RATE, 0.3e-3, 0.075e-3];
+const THRESHOLDS: [f64; 3] = [0.25e-3, 0.5e-3, 1e-3];
+
+/// Slopes at the tops by small disturbances of steady sliding.
+fn slopes_by_disturbance() -> Result<Vec<(f64, f64)>, Problem> {
     let mut small = Vec::new();
-    for top in MEMORIES.iter().filter_map(|memory| boundary::top(ceased, *memory)) {
+    for top in boundary::tops()? {
         if let Some(velocity) = undisturbed(&[("Tc", top.memory), ("VcL", top.limit)], top.limit)? {
             small.push((top.memory, FallingFriction::simulated(top.limit).slope(velocity)? / N_S_PER_MM));
         }
     }
-    let in_ms = |points: Vec<(f64, f64)>| points.into_iter().map(|(x, y)| (x / MS, y)).collect::<Vec<_>>();
-    let memories = || by_ratio(0.006, 0.025, 40);
-    let theory = memories().map(|memory| {
-        Ok::<_, Problem>((memory / MS, DrivenTable::simulated(memory).critical_slope()? / N_S_PER_MM))
+    Ok(small)
+}
+
+/// Slopes at which oscillation of the circuit ends, by time constant, by ramps and by small disturbances, beside the study's law and
+/// Routh-Hurwitz; with the laws that fit them, by rate and threshold.
+pub(super) struct SlopesOfTheCircuit {
+    pub pictures: Vec<Picture>,
+    pub reading: String,
+    pub table: Table,
+    pub sweep: Sweep,
+}
+
+pub(super) fn slopes_of_the_circuit() -> Result<SlopesOfTheCircuit, Problem> {
+    let ramps: Vec<Vec<Slopes>> =
+        RATES.iter().map(|rate| boundary::slopes_at_rate(*rate, &THRESHOLDS)).collect::<Result<_, _>>()?;
+    let small = slopes_by_disturbance()?;
+    let theory: Vec<_> = by_ratio(0.006, 0.025, 40)
+        .map(|memory| {
+            Ok::<_, Problem>((memory, DrivenTable::simulated(memory).critical_slope()? / N_S_PER_MM))
+        })
+        .collect::<Result<_, _>>()?;
+    let (theory_law, small_law) = (PowerLaw::fit(&theory)?, PowerLaw::fit(&small)?);
+    let mut table = Table::new(["how", "threshold, mm/s", "factor, N s/mm", "exponent"]);
+    let mut row = |how: String, threshold: String, law: &PowerLaw| {
+        table.rows.push(vec![how, threshold, format!("{:.2e}", law.factor), format!("{:.3}", law.exponent)]);
+    };
+    for (rate, laws) in RATES.iter().zip(&ramps) {
+        for (threshold, (_, law)) in THRESHOLDS.iter().zip(laws) {
+            row(ramp_told(*rate), (threshold / MM_PER_S).to_string(), law);
+        }
+    }
+    row("small disturbances".to_owned(), "none".to_owned(), &small_law);
+    row("Routh-Hurwitz".to_owned(), "none".to_owned(), &theory_law);
+    row("the study, eq 1-9".to_owned(), "not told".to_owned(), &SLOPE_BY_MEMORY);
+    let laws = ramps.iter().zip(RATES).map(|(laws, rate)| {
+        format!("{:.2e} Tc^{:.2} by ramps of {} mm/s2", laws[0].1.factor, laws[0].1.exponent, rate / MM_PER_S)
     });
-    let study = memories().map(|memory| (memory / MS, SLOPE_BY_MEMORY.at(memory)));
-    let graph = Graph::new("(b) the circuit, run", ("time constant Tc", "ms"), ("slope Cn", "N s/mm"))
+    let reading = format!(
+        "run, the circuit gives {}, and {:.2e} Tc^{:.2} by small disturbances, where Routh-Hurwitz has {:.2e} Tc^{:.2}: the slower the \
+         ramp, the nearer to the boundary it ends",
+        laws.collect::<Vec<_>>().join(", "),
+        small_law.factor,
+        small_law.exponent,
+        theory_law.factor,
+        theory_law.exponent
+    );
+    let pictures = vec![slopes(&ramps, small, theory), exponents(&ramps, theory_law.exponent)];
+    let vary = vec![("Tc", listed(&MEMORIES)), ("VcL", listed(&boundary::limits()))];
+    let sweep = Sweep { which: "", recipe: boundary::ramp(RATE), vary, measure: "critical_velocity" };
+    Ok(SlopesOfTheCircuit { pictures, reading, table, sweep })
+}
+
+fn ramp_told(rate: f64) -> String {
+    format!("ramp of {} mm/s2", rate / MM_PER_S)
+}
+
+/// Slopes by time constant, ramps at the usual threshold.
+fn slopes(ramps: &[Vec<Slopes>], small: Vec<(f64, f64)>, theory: Vec<(f64, f64)>) -> Picture {
+    let in_ms = |points: Vec<(f64, f64)>| points.into_iter().map(|(x, y)| (x / MS, y)).collect::<Vec<_>>();
+    let study = by_ratio(0.006, 0.025, 40).map(|memory| (memory / MS, SLOPE_BY_MEMORY.at(memory)));
+    let mut graph = Graph::new("(b) the circuit, run", ("time constant Tc", "ms"), ("slope Cn", "N s/mm"))
         .logarithmic(true, true)
         .across(5.0, 30.0)
         .up(20.0, 500.0)
         .line("study's simulation: 7.5e4 Tc^1.54 (1-9)", study.collect())
-        .line("Routh-Hurwitz (32-9)", theory.collect::<Result<_, _>>()?)
-        .dots("ramp of 1.2 mm/s2", in_ms(fast))
-        .dots("ramp of 0.3 mm/s2", in_ms(slow))
-        .dots("small disturbances at constant speed", in_ms(small));
-    let reading = format!(
-        "run, ramps of 1.2 mm/s2 give {:.2e} Tc^{:.2}, of 0.3 mm/s2 {:.2e} Tc^{:.2}, and small disturbances Routh-Hurwitz: a ramp \
-         overruns the boundary",
-        law.factor, law.exponent, slower_law.factor, slower_law.exponent
-    );
-    Ok((graph.picture(), reading))
+        .line("Routh-Hurwitz (32-9)", in_ms(theory));
+    for (rate, laws) in RATES.iter().zip(ramps) {
+        graph = graph.dots(ramp_told(*rate), in_ms(laws[0].0.clone()));
+    }
+    graph.dots("small disturbances at constant speed", in_ms(small)).picture()
+}
+
+/// Exponents by the rate of the command, for each threshold.
+fn exponents(ramps: &[Vec<Slopes>], theory: f64) -> Picture {
+    let title = "(c) exponent of Cn against Tc";
+    let mut graph = Graph::new(title, ("rate of the command", "mm/s2"), ("exponent", ""))
+        .logarithmic(true, false)
+        .up(1.0, 1.8);
+    for (index, threshold) in THRESHOLDS.iter().enumerate() {
+        let points = RATES.iter().zip(ramps).map(|(rate, laws)| (rate / MM_PER_S, laws[index].1.exponent));
+        graph = graph.line(format!("swings above {} mm/s", threshold / MM_PER_S), points.collect());
+    }
+    let ends = |value: f64| vec![(RATES[RATES.len() - 1] / MM_PER_S, value), (RATES[0] / MM_PER_S, value)];
+    graph.line("the study", ends(SLOPE_BY_MEMORY.exponent)).line("Routh-Hurwitz", ends(theory)).picture()
 }
 
 /// What stands beside a measured critical velocity in T9-2, in m/s.

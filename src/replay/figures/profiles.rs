@@ -1,8 +1,10 @@
 //! Chapters 2 and 4: velocity profiles, as chapter 4 explains them.
 
 use super::{Drawn, Figure, Recipe, titled, told};
-use crate::instruments::{self, Criterion, ProfileCriterion, Way, profile_picture, velocity_profile};
-use crate::replay::recipe::Problem;
+use crate::instruments::{
+    self, Criterion, ProfileCriterion, Way, critical_velocity, profile_picture, velocity_profile,
+};
+use crate::replay::recipe::{Problem, velocity_told};
 
 /// The figures, in their order.
 pub(super) const FIGURES: &[Figure] = &[
@@ -32,7 +34,7 @@ pub(super) const FIGURES: &[Figure] = &[
 fn typical(figure: &Figure) -> Result<Drawn, Problem> {
     let recipe = Recipe::of("fig-8-16").set("VcL", 7.62e-3);
     let run = figure.run(&recipe.picture(&figure.heading(), "v_i", &["v_o"]), "")?;
-    let rising = run.critical()?.rising_told();
+    let rising = velocity_told(run.critical()?.rising);
     Drawn::of_run(&run, format!("the whole history of oscillation in one picture: it ends at {rising}"))
 }
 
@@ -41,15 +43,13 @@ fn three_kinds(figure: &Figure) -> Result<Drawn, Problem> {
     let titles = ["steady friction, as Fig 4.6", "(a) linear", "(b) falling", "(c) dropping to a constant"];
     let pictures =
         run.pictures()?.into_iter().zip(titles).map(|(picture, title)| titled(picture, title)).collect();
+    let (time, command) = (&run.trace.time, run.values("v_i")?);
     let rising = |signal| -> Result<String, Problem> {
-        let read = run.measure(&format!("critical_velocity:v_i,{signal}"))?[0];
-        Ok(read.map_or_else(
-            || "does not oscillate".to_owned(),
-            |v| format!("oscillates up to {:.2} mm/s", v * 1e3),
-        ))
+        let read = critical_velocity(time, &command, &run.values(signal)?, Criterion::USUAL).rising;
+        Ok(velocity_told(read))
     };
     let reading = format!(
-        "on linear friction the table {}, on falling friction it {}, on friction that drops to a constant it {}",
+        "oscillation ends, on linear friction: {}; on falling friction: {}; on friction that drops to a constant: {}",
         rising("linear.v_o")?,
         rising("stribeck.v_o")?,
         rising("coulomb.v_o")?

@@ -226,6 +226,8 @@ impl Sketch {
             settings: settings.into(),
             reading: reading.into(),
             patches: Vec::new(),
+            commands: Vec::new(),
+            table: None,
         }
     }
 }

@@ -1,0 +1,197 @@
+//! What a critical velocity is read under, beside the settings of the circuit: rate and direction of the command, noise on it, and the
+//! threshold above which a swing counts.
+
+use super::recipe::{Problem, Recipe, Record};
+use super::table::Table;
+use crate::instruments::{Criterion, CriticalVelocity, NoCriticalVelocity};
+use crate::slideway::units::MM_PER_S;
+
+/// Conditions, of which every combination is tried.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Conditions {
+    /// Rates of the command, in m/s2.
+    pub rates: &'static [f64],
+    /// Noise on the command, rms in m/s.
+    pub noises: &'static [f64],
+    /// Thresholds, in m/s.
+    pub thresholds: &'static [f64],
+}
+
+/// One of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Under {
+    pub rate: f64,
+    pub noise: f64,
+    pub threshold: f64,
+}
+
+/// A number, or in a word why there is none.
+pub(super) type Number = Result<f64, &'static str>;
+
+/// What is read under some conditions in one case, while the command rises and while it falls.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Reading {
+    pub case: String,
+    pub under: Under,
+    pub rising: Number,
+    pub falling: Number,
+}
+
+/// What is read while the command goes one way.
+pub(super) type Way = (&'static str, fn(&Reading) -> Number);
+
+pub(super) const RISING: Way = ("rising", |reading| reading.rising);
+pub(super) const FALLING: Way = ("falling", |reading| reading.falling);
+
+impl Conditions {
+    /// The critical velocities of profiles up to a velocity in m/s and back, under all conditions, for each row of values of some
+    /// parameters: conditions by conditions, row by row.
+    pub fn profiles(
+        &self,
+        recipe: &Recipe,
+        highest: f64,
+        vary: &[&str],
+        rows: &[Vec<f64>],
+    ) -> Result<Vec<(Under, Vec<CriticalVelocity>)>, Problem> {
+        let mut found = Vec::new();
+        for &rate in self.rates {
+            for &noise in self.noises {
+                let recipe = recipe.clone().there_and_back(highest, rate).recording(&["v_i", "v_o"]);
+                let read = recipe.noisy(noise).each(vary, rows, |run| self.by_threshold(run))?;
+                for (index, &threshold) in self.thresholds.iter().enumerate() {
+                    let critical = read.iter().map(|critical| critical[index]).collect();
+                    found.push((Under { rate, noise, threshold }, critical));
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    fn by_threshold(&self, run: &Record) -> Result<Vec<CriticalVelocity>, Problem> {
+        let criterion = |threshold: &f64| Criterion { threshold: *threshold, ..Criterion::USUAL };
+        self.thresholds.iter().map(|threshold| run.critical_by(criterion(threshold))).collect()
+    }
+
+    /// The readings as a table: a row for each case, rate and noise, a column for each direction and threshold.
+    pub fn table(&self, case: &str, quantity: &str, readings: &[Reading], decimals: usize) -> Table {
+        let column = |way: &str| {
+            let name = |threshold: &f64| format!("{quantity}, {way}, above {} mm/s", threshold / MM_PER_S);
+            self.thresholds.iter().map(name).collect::<Vec<_>>()
+        };
+        let columns = [column("rising"), column("falling")].concat();
+        let first = [case, "rate, mm/s2", "noise, mm/s rms"];
+        let mut table = Table::new(first.into_iter().chain(columns.iter().map(String::as_str)));
+        let told =
+            |number: Number| number.map_or_else(str::to_owned, |number| format!("{number:.decimals$}"));
+        for row in readings.chunks(self.thresholds.len()) {
+            let Under { rate, noise, .. } = row[0].under;
+            let in_mm = |value: f64| ((value / MM_PER_S * 1e6).round() / 1e6).to_string();
+            let cells = [row[0].case.clone(), in_mm(rate), in_mm(noise)].into_iter();
+            let rising = row.iter().map(|reading| told(reading.rising));
+            let falling = row.iter().map(|reading| told(reading.falling));
+            table.rows.push(cells.chain(rising).chain(falling).collect());
+        }
+        table
+    }
+}
+
+/// A critical velocity in m/s, or in a word why there is none.
+pub(super) fn short(velocity: Result<f64, NoCriticalVelocity>) -> Number {
+    velocity.map_err(|none| match none {
+        NoCriticalVelocity::NotEnded(_) | NoCriticalVelocity::NotBegun => "goes on",
+        NoCriticalVelocity::Quiet => "quiet",
+        _ => "none",
+    })
+}
+
+/// One thing in which readings may differ, the case or a condition.
+type Alike = fn(&Reading, &Reading) -> bool;
+
+const MOVERS: [(&str, Alike); 4] = [
+    ("", |one, other| one.under == other.under),
+    ("the rate", |one, other| {
+        without(one, |under| under.rate = 0.0) == without(other, |under| under.rate = 0.0)
+    }),
+    ("the threshold", |one, other| {
+        without(one, |under| under.threshold = 0.0) == without(other, |under| under.threshold = 0.0)
+    }),
+    ("noise", |one, other| {
+        without(one, |under| under.noise = 0.0) == without(other, |under| under.noise = 0.0)
+    }),
+];
+
+/// Case and conditions but for one.
+fn without(reading: &Reading, forget: fn(&mut Under)) -> (&str, Under) {
+    let mut under = reading.under;
+    forget(&mut under);
+    (&reading.case, under)
+}
+
+/// How far apart the numbers of readings lie at most that are alike but for one thing.
+fn moved(readings: &[Reading], number: fn(&Reading) -> Number, alike: Alike) -> f64 {
+    let mut most = 0.0_f64;
+    for (index, one) in readings.iter().enumerate() {
+        for other in readings[index + 1..].iter().filter(|other| alike(one, other)) {
+            if let (Ok(one), Ok(other)) = (number(one), number(other)) {
+                most = most.max((one - other).abs());
+            }
+        }
+    }
+    most
+}
+
+/// "rising, by up to 0.91 with VcL, 0.31 with the rate, 0.05 with the threshold, 0.02 with noise", and the same of falling commands.
+/// `case` is what cases differ in, empty where there is but one.
+pub(super) fn moved_told(readings: &[Reading], decimals: usize, case: &str) -> String {
+    let told = [RISING, FALLING].map(|(way, number)| {
+        let with = MOVERS.iter().map(|(name, alike)| (if name.is_empty() { case } else { name }, alike));
+        let with = with.filter(|(name, _)| !name.is_empty());
+        let with =
+            with.map(|(name, alike)| format!("{:.decimals$} with {name}", moved(readings, number, *alike)));
+        format!("{way}, by up to {}", with.collect::<Vec<_>>().join(", "))
+    });
+    told.join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GRID: Conditions = Conditions { rates: &[1e-3, 2e-3], noises: &[0.0], thresholds: &[1e-4, 2e-4] };
+
+    fn readings() -> Vec<Reading> {
+        let mut found = Vec::new();
+        for &rate in GRID.rates {
+            for &threshold in GRID.thresholds {
+                let under = Under { rate, noise: 0.0, threshold };
+                let rising = Ok(rate * 1e3 + threshold * 1e3);
+                found.push(Reading { case: "one".to_owned(), under, rising, falling: Err("quiet") });
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn what_moves_is_told_by_condition() {
+        assert_eq!(
+            moved_told(&readings(), 2, ""),
+            "rising, by up to 1.00 with the rate, 0.10 with the threshold, 0.00 with noise; falling, by up to 0.00 with the rate, 0.00 \
+             with the threshold, 0.00 with noise"
+        );
+    }
+
+    #[test]
+    fn tables_have_a_column_a_direction_and_threshold() {
+        let table = GRID.table("case", "Vc", &readings(), 1);
+        assert_eq!(
+            table.head[3..],
+            [
+                "Vc, rising, above 0.1 mm/s",
+                "Vc, rising, above 0.2 mm/s",
+                "Vc, falling, above 0.1 mm/s",
+                "Vc, falling, above 0.2 mm/s"
+            ]
+        );
+        assert_eq!(table.rows[1], ["one", "2", "0", "2.1", "2.2", "quiet", "quiet"]);
+    }
+}
