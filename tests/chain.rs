@@ -292,7 +292,7 @@ fn what_makes_no_chain_is_told() {
         ),
         (
             told(base, &[("v_rate", 0.1)]),
-            "the critical velocity cannot be read: the command alone changes by 0.0039 within a window",
+            "the critical velocity cannot be read: the command alone changes by 3.9 mm/s within a window",
         ),
         (told(base, &[("Tc", 1e-4)]), "Tc = 100 µs is beyond what the circuit of Fig 8.16 takes, "),
         // From the least with the smallest scales to the largest with the largest.

@@ -1,7 +1,7 @@
 //! Why there is no chain.
 
 use super::inputs::Input;
-use crate::instruments::{Display, NoCriticalVelocity};
+use crate::instruments::{Display, NoCriticalVelocity, with_unit};
 use crate::patch::{EditError, Report, told};
 use crate::slideway::SlidewayError;
 use crate::solve::RunError;
@@ -68,7 +68,7 @@ pub enum ChainError {
         velocity_per_volt: f64,
     },
     /// The critical velocity cannot be read off the run.
-    #[error("the critical velocity cannot be read: {0}")]
+    #[error("the critical velocity cannot be read: {}", .0.told_in("m/s"))]
     Unread(NoCriticalVelocity),
     /// The circuit cannot be set so.
     #[error("{0}")]
@@ -104,11 +104,6 @@ impl Beyond {
         let display = Display::new(&self.unit, high);
         format!("{} ... {}", display.number(low), display.text(high))
     }
-}
-
-/// A value with its unit.
-pub(super) fn with_unit(value: f64, unit: &str) -> String {
-    Display::new(unit, value).text(value)
 }
 
 impl From<Box<Report>> for ChainError {

@@ -38,7 +38,7 @@ pub fn pictures(chain: &Chain, notes: [&str; 2]) -> [Picture; 2] {
 fn title(way: &str, turns: &str, read: Result<f64, NoCriticalVelocity>, shown: &Display) -> String {
     let told = match read {
         Ok(velocity) => format!("oscillation {turns} {}", shown.text(velocity)),
-        Err(error) => error.to_string(),
+        Err(error) => error.told_in("m/s"),
     };
     format!("System velocity profile: the command {way}, {told}")
 }

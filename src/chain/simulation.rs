@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use super::document::{Asked, MULTIPLES, template};
-use super::error::{ChainError, with_unit};
+use super::error::ChainError;
 use super::parameters::Parameters;
 use super::ramp::Ramp;
 use super::settings::Settings;
 use crate::circuit::{Circuit, Element};
-use crate::instruments::{Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity};
+use crate::instruments::{Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity, with_unit};
 use crate::patch::{Amount, Patch};
 use crate::program::Program;
 use crate::solve::{self, RunSettings};

@@ -156,9 +156,21 @@ fn place(path: &Path) -> Result<PathBuf, Failure> {
 
 /// Makes a folder, and those that it lies in.
 pub(super) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    let unmade =
-        |error| Failure::data(format!("cannot make the folder {}: {}", folder.display(), refusal(&error)));
+    let unmade = |error| {
+        let why = in_the_way(folder).unwrap_or_else(|| refusal(&error));
+        Failure::data(format!("cannot make the folder {}: {why}", folder.display()))
+    };
     fs::create_dir_all(folder).map_err(unmade)
+}
+
+/// What stands where a folder is wanted, or one that it lies in, and is none.
+fn in_the_way(folder: &Path) -> Option<String> {
+    let there = folder.ancestors().find(|place| place.is_file())?;
+    Some(if there == folder {
+        "a file of that name is in the way".to_owned()
+    } else {
+        format!("{} is a file", there.display())
+    })
 }
 
 /// Writes a file whole, or tells that it could not be.

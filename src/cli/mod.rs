@@ -2,6 +2,7 @@
 
 mod check;
 mod completions;
+mod criteria;
 mod draw;
 mod elements;
 mod failure;

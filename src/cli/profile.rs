@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::criteria::{advice_on, advice_on_cycles};
 use super::failure::Failure;
 use super::files::{check_apart, prepare, put, written};
 use super::load::{Loaded, PatchArguments, document};
@@ -14,7 +15,7 @@ use super::times::{TimeArguments, refused};
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{
-    Criterion, Drawn, NoCriticalVelocity, ProfileCriterion, ProfileError, Way, critical_range,
+    Criterion, Display, Drawn, NoCriticalVelocity, ProfileCriterion, ProfileError, Way, critical_range,
     parameter_line, profile_picture, velocity_profile,
 };
 use patchcord::patch::suggestion;
@@ -31,13 +32,14 @@ pub(super) struct Arguments {
     /// The commanded and the actual velocity
     #[arg(long, value_name = "COMMAND,VELOCITY", default_value = "v_i,v_o", value_parser = pair)]
     signals: [String; 2],
-    /// It oscillates while the velocity swings by more than this, peak to peak, in the unit of the signals (0.25 mm/s)
+    /// It oscillates while the velocity swings by more than this, peak to peak, in the unit of the signals: 0.25e-3 for a patch in m/s
+    /// (without it: 0.25 mm/s)
     #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = above_zero)]
     threshold: Option<f64>,
     /// ... within so many seconds (0.04): half a period and more of the slowest oscillation
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = above_zero)]
     window: Option<f64>,
-    /// A velocity up to this is standstill, in the unit of the signals (half of the threshold)
+    /// A velocity up to this is standstill, in the unit of the signals: 0.1e-3 for a patch in m/s (without it: half of the threshold)
     #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = above_zero)]
     standstill: Option<f64>,
     /// Read the way back, on which the command falls from its largest value
@@ -70,7 +72,7 @@ fn carry_out(arguments: &Arguments) -> Result<(), Failure> {
     prepare(None, files())?;
     let trace = watched(&program, &settings)
         .map_err(|stopped| refused(&stopped.error, &circuit, arguments.times.is_to_blame(&stopped.error)))?;
-    let read = arguments.read(&trace, &settings.record)?;
+    let read = arguments.read(&trace, &settings.record, &circuit)?;
     if let Some((path, format)) = arguments.plot.as_ref().zip(format) {
         let picture = picture(&read, &circuit);
         let bytes = plot::render(&[picture], format, Size::default());
@@ -105,7 +107,7 @@ impl Arguments {
     }
 
     /// The profile of the last run, of the command and the velocity that were recorded.
-    fn read(&self, trace: &Trace, recorded: &[String]) -> Result<Read, Failure> {
+    fn read(&self, trace: &Trace, recorded: &[String], circuit: &Circuit) -> Result<Read, Failure> {
         let track = |which: usize| recorded.get(which).and_then(|name| trace.track(name));
         let both = track(0).zip(track(1)).ok_or_else(|| Failure::data("nothing was recorded"));
         let (command, velocity) = both?;
@@ -115,12 +117,19 @@ impl Arguments {
         let [commands, velocities] =
             [command, velocity].map(|track| track.values().skip(first).collect::<Vec<_>>());
         let profile = velocity_profile(time, &commands, &velocities, criterion, self.way());
-        let profile = profile.map_err(|error| self.unread(&error))?;
         let range = critical_range(time, &commands, &velocities, criterion.oscillation);
+        let [range, other] = self.way().of([[range.rising, range.falling], [range.falling, range.rising]]);
+        let profile = profile.map_err(|error| {
+            let advice = self.advice(error, circuit, other.err(), &command.unit);
+            let advice = advice.map_or_else(String::new, |advice| format!(": {advice}"));
+            Failure::data(format!("no velocity profile: {}{advice}", error.told_in(&command.unit)))
+        })?;
+        let early = || ends_early(time, &commands, criterion.standstill, &command.unit);
         Ok(Read {
             names: [command.name.clone(), velocity.name.clone()],
             unit: command.unit.clone(),
-            range: self.way().of([range.rising, range.falling]).ok(),
+            range: range.ok(),
+            note: self.falling.then(early).flatten(),
             values: [commands, velocities],
             criterion,
             profile,
@@ -149,25 +158,68 @@ impl Arguments {
         if self.falling { Way::Falling } else { Way::Rising }
     }
 
-    /// Why there is no profile, and which option helps.
-    fn unread(&self, error: &ProfileError) -> Failure {
+    /// The options that help where there is no profile; `other` is why there is none the other way.
+    fn advice(
+        &self,
+        error: ProfileError,
+        circuit: &Circuit,
+        other: Option<NoCriticalVelocity>,
+        unit: &str,
+    ) -> Option<String> {
+        use NoCriticalVelocity::{Constant, NeverBack, NoFall, NoRise};
+        let turns = circuit.parameters().any(|(name, ..)| name == TURN);
+        let is_there_other = !matches!(other, Some(Constant | NeverBack | NoFall | NoRise));
         let advice = match error {
-            ProfileError::Unreadable(NoCriticalVelocity::NoRise) if !self.falling => {
-                ": --falling reads one that falls"
+            ProfileError::Unreadable(NoRise) if is_there_other => "--falling reads one that falls",
+            ProfileError::Unreadable(NoFall) if is_there_other => "without --falling one is read that rises",
+            ProfileError::Unreadable(NeverBack) if turns => {
+                "let it turn with --set v_turn=SECONDS, and run for twice as long with --for"
             }
-            ProfileError::Unreadable(NoCriticalVelocity::NoFall) => {
-                ": without --falling one is read that rises"
-            }
-            _ => "",
+            ProfileError::Unreadable(NeverBack) => "run for longer with --for, or read it without --falling",
+            ProfileError::Unreadable(why) => return advice_on(&why, "a slower command"),
+            ProfileError::Cycles(why) => return advice_on_cycles(&why),
+            ProfileError::StandsStill { .. } => return Some(self.advice_on_standstill(unit)),
+            ProfileError::BadStandstill(_) => return None,
         };
-        Failure::data(format!("no velocity profile: {error}{advice}"))
+        Some(advice.to_owned())
     }
+
+    fn advice_on_standstill(&self, unit: &str) -> String {
+        let usual = Criterion::usual(unit).map(ProfileCriterion::usual);
+        let (option, usual) = match self.standstill {
+            Some(_) => ("--standstill", usual.map(|usual| usual.standstill)),
+            None => ("--threshold", usual.map(|usual| usual.oscillation.threshold)),
+        };
+        let such = usual.map_or_else(String::new, |usual| {
+            format!(", such as {option} {}", Display::new("", 1.0).number(usual))
+        });
+        format!("give a lower one, in {unit}{such}")
+    }
+}
+
+/// The parameter of the study's circuits that tells when the command turns back.
+const TURN: &str = "v_turn";
+
+/// That the run ends before the command has come back to 0, and how long it would have to be.
+fn ends_early(time: &[f64], command: &[f64], standstill: f64, unit: &str) -> Option<String> {
+    let (&[.., before, end], &[begin, .., earlier, last]) = (command, time) else { return None };
+    let largest = command.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let turn = command.iter().position(|value| value.abs() == largest)?;
+    if end.abs() <= standstill || command[turn..].iter().any(|value| value * end <= 0.0) {
+        return None;
+    }
+    let left = end / (before - end) * (last - earlier);
+    let shown = Display::new(unit, end);
+    let told = format!("the run ends at {}, before the command is back at 0", shown.text(end));
+    let advice = format!(": give --for {}", Display::new("", 1.0).number(last + left - begin));
+    Some(if left.is_finite() && left > 0.0 { told + &advice } else { told })
 }
 
 fn picture(read: &Read, circuit: &Circuit) -> plot::Picture {
     let drawn =
         |which: usize| Drawn { name: &read.names[which], unit: &read.unit, values: &read.values[which] };
-    let title = format!("{}: velocity profile", circuit.patch().title);
+    let what = read.profile.way.of(["velocity profile", "command falling"]);
+    let title = format!("{}: {what}", circuit.patch().title);
     profile_picture(title, drawn(0), drawn(1), &read.profile, Some(parameter_line(circuit)))
 }
 

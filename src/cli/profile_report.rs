@@ -17,6 +17,8 @@ pub(super) struct Read {
     pub values: [Vec<f64>; 2],
     pub criterion: ProfileCriterion,
     pub profile: VelocityProfile,
+    /// What the reader should know of the run.
+    pub note: Option<String>,
     /// How far point 5 depends on the criterion.
     pub range: Option<CriticalInterval>,
 }
@@ -53,9 +55,10 @@ impl Read {
 pub(super) fn told(read: &Read) -> String {
     let shown = read.shown();
     let criterion = read.criterion;
+    let note = read.note.as_ref().map_or_else(String::new, |note| format!("note: {note}\n"));
     let seconds = Display::new("", 1.0);
     format!(
-        "{}\n{}\nOscillation: {} swings by more than {}, peak to peak, within {} s. Standstill: up to {}.\n",
+        "{}\n{}\nOscillation: {} swings by more than {}, peak to peak, within {} s. Standstill: up to {}.\n{note}",
         points_told(read, &shown),
         sections_told(read, &shown),
         read.names[1],
@@ -77,9 +80,14 @@ fn range_told(range: CriticalInterval, shown: &Display) -> String {
     )
 }
 
+/// What stands above the names of a falling profile.
+fn falling(read: &Read) -> &'static str {
+    read.profile.way.of(["", "command falling"])
+}
+
 fn points_told(read: &Read, shown: &Display) -> String {
     let seconds = Display::new("", 1.0);
-    let headings = ["point", "", &format!("{}, {}", read.names[0], shown.unit), "at s", ""];
+    let headings = ["point", falling(read), &format!("{}, {}", read.names[0], shown.unit), "at s", ""];
     let mut table = Table::with(headings.map(str::to_owned));
     let names = read.profile.way.points();
     for (index, point) in read.profile.points.iter().enumerate() {
@@ -94,7 +102,7 @@ fn points_told(read: &Read, shown: &Display) -> String {
 
 fn sections_told(read: &Read, shown: &Display) -> String {
     let [command, swing] = [&read.names[0], "swing"].map(|what| format!("{what}, {}", shown.unit));
-    let headings = ["section", "", &command, "cycles", &swing, "Hz", ""];
+    let headings = ["section", falling(read), &command, "cycles", &swing, "Hz", ""];
     let mut table = Table::with(headings.map(str::to_owned));
     let names = read.profile.way.sections();
     for (index, section) in read.profile.sections.iter().enumerate() {
@@ -139,6 +147,7 @@ pub(super) fn json(read: &Read) -> Value {
         "standstill": standstill,
         "way": way.of(["rising", "falling"]),
         "jump": jump,
+        "note": read.note,
         "points": points.collect::<Value>(),
         "sections": sections.collect::<Value>(),
         "critical_velocity": read.range.map(range_json),

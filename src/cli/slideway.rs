@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::criteria::advice_on;
 use super::failure::Failure;
 use super::files::{places, prepare, put, written};
 use super::load::setting;
@@ -13,7 +14,7 @@ use super::slideway_report::{self as report, criterion_told};
 use super::times::{FinenessArguments, with_advice};
 use super::{say, say_json};
 use patchcord::chain::{Chain, ChainError, Input, Inputs, Settings, pictures};
-use patchcord::instruments::{NoCriticalVelocity, WindowError, parameter_line};
+use patchcord::instruments::parameter_line;
 use patchcord::plot::{self, Format, Size};
 use patchcord::slideway::ridge::Ridge;
 use patchcord::slideway::units::{CM2, KGF, MM_PER_S, N_PER_MM, POISE, UM};
@@ -186,16 +187,7 @@ impl Arguments {
                 origin(&beyond.name)?
             }
             ChainError::NoRise { .. } => "change it with --set",
-            ChainError::Unread(error) => match error {
-                NoCriticalVelocity::Window(WindowError::TooCoarse(_)) => {
-                    "give a shorter --every or a longer --window"
-                }
-                NoCriticalVelocity::CommandTooFast(_) => {
-                    "give a higher --threshold, or a lower v_rate with --set"
-                }
-                NoCriticalVelocity::Window(WindowError::TooLong { .. }) => "give a shorter --window",
-                _ => return None,
-            },
+            ChainError::Unread(error) => return advice_on(error, "a lower v_rate"),
             _ => return None,
         };
         Some(advice.to_owned())

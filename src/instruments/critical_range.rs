@@ -176,7 +176,7 @@ mod tests {
         let criterion = Criterion { threshold: 0.07, window: 0.04 };
         let found = critical_range(&time, &command, &velocity, criterion);
         assert_eq!(found.rising.unwrap().unread, 2, "half the threshold, double of the window");
-        assert_eq!(found.falling, Err(NoCriticalVelocity::NoFall));
+        assert_eq!(found.falling, Err(NoCriticalVelocity::NeverBack));
         let found = critical_range(&time, &command, &command, criterion);
         assert_eq!(found.rising, Err(NoCriticalVelocity::Quiet));
         assert_eq!(critical_range(&[], &[], &[], criterion).rising, Err(NoCriticalVelocity::NotASignal));

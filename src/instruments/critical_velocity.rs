@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::is_signal;
+use super::quantity::with_unit;
 use super::window::{WindowError, samples_in};
 use crate::patch::{Dimension, Unit, told};
 
@@ -49,8 +50,14 @@ pub enum NoCriticalVelocity {
     #[error(transparent)]
     Window(#[from] WindowError),
     /// The command alone passes the threshold.
-    #[error("the command alone changes by {} within a window, which is not below the threshold", told(*.0))]
+    #[error("{}", too_fast(&told(*.0)))]
     CommandTooFast(f64),
+    /// The command stays as it is.
+    #[error("the command does not change")]
+    Constant,
+    /// The command is largest at the end.
+    #[error("the command never comes back in this run")]
+    NeverBack,
     /// The command does not rise all the way to its largest value.
     #[error("the command does not rise steadily")]
     NoRise,
@@ -61,11 +68,30 @@ pub enum NoCriticalVelocity {
     #[error("no oscillation")]
     Quiet,
     /// Oscillation goes on up to the end of the rise, or rested there for less than four windows.
-    #[error("oscillation has not ended at a command of {}", told(*.0))]
+    #[error("{}", not_ended(&told(*.0)))]
     NotEnded(f64),
     /// It oscillates before the command falls.
     #[error("it oscillates before the command falls")]
     NotBegun,
+}
+
+impl NoCriticalVelocity {
+    /// Its text with velocities in this unit, as a person reads them.
+    pub fn told_in(self, unit: &str) -> String {
+        match self {
+            NoCriticalVelocity::CommandTooFast(change) => too_fast(&with_unit(change, unit)),
+            NoCriticalVelocity::NotEnded(top) => not_ended(&with_unit(top, unit)),
+            error => error.to_string(),
+        }
+    }
+}
+
+fn too_fast(change: &str) -> String {
+    format!("the command alone changes by {change} within a window, which is not below the threshold")
+}
+
+fn not_ended(top: &str) -> String {
+    format!("oscillation has not ended at a command of {top}")
 }
 
 /// Oscillation that rests for so many windows has ended, and lasts for as many: slips at a low command lie so far apart.
@@ -132,7 +158,16 @@ impl<'a> Profile<'a> {
         Ok(Profile { command, speed, turn, oscillates, span })
     }
 
+    /// Whether the command stays as it is, but for rounding.
+    fn is_constant(&self) -> bool {
+        let least = self.speed.iter().copied().fold(f64::INFINITY, f64::min);
+        self.speed[self.turn] - least <= ROUNDING * self.speed[self.turn]
+    }
+
     fn rising(&self) -> Result<usize, NoCriticalVelocity> {
+        if self.is_constant() {
+            return Err(NoCriticalVelocity::Constant);
+        }
         if self.turn == 0 || !rises(self.speed[..=self.turn].iter()) {
             return Err(NoCriticalVelocity::NoRise);
         }
@@ -147,6 +182,12 @@ impl<'a> Profile<'a> {
     }
 
     fn falling(&self) -> Result<usize, NoCriticalVelocity> {
+        if self.is_constant() {
+            return Err(NoCriticalVelocity::Constant);
+        }
+        if self.turn + 1 == self.speed.len() {
+            return Err(NoCriticalVelocity::NeverBack);
+        }
         let forward = self.speed[self.turn..].iter().take_while(|speed| **speed >= 0.0).count();
         let end = (self.turn + forward).min(self.oscillates.len());
         let falls = rises(self.speed[self.turn..self.turn + forward].iter().rev());
@@ -162,9 +203,14 @@ impl<'a> Profile<'a> {
     }
 }
 
+/// The largest of values, without sign.
+pub(super) fn largest_of(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| largest.max(value.abs()))
+}
+
 /// Where the largest value without sign stands first.
 pub(super) fn first_largest(values: &[f64]) -> usize {
-    let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let largest = largest_of(values);
     values.iter().position(|value| value.abs() == largest).unwrap_or(0)
 }
 
@@ -258,7 +304,7 @@ mod tests {
         assert_eq!(read(&profile(4.0, 0.15, 0.0)).rising, Err(Quiet), "it breaks away");
         let still_on = read(&profile(4.0, 3.9, 1.0));
         assert_eq!(both(still_on), (NotEnded(4.0), NotBegun));
-        assert_eq!(read(&profile(9.0, 3.0, 1.0)).falling, Err(NoFall));
+        assert_eq!(read(&profile(9.0, 3.0, 1.0)).falling, Err(NeverBack));
         let [time, command, velocity] = profile(4.0, 3.0, 1.0);
         let with = |criterion| both(critical_velocity(&time, &command, &velocity, criterion)).0;
         let window = |window| Criterion { window, ..CRITERION };
@@ -266,10 +312,14 @@ mod tests {
         assert_eq!(with(window(9.0)), Window(WindowError::TooLong { window: 9.0, run: 8.0 }));
         assert_eq!(with(Criterion { threshold: 0.0, ..CRITERION }), Window(WindowError::BadCriterion));
         assert!(matches!(with(Criterion { threshold: 0.03, ..CRITERION }), CommandTooFast(_)));
+        let told = "the command alone changes by 1.95 mm/s within a window, which is not below the threshold";
+        assert_eq!(CommandTooFast(1.95e-3).told_in("m/s"), told);
+        assert_eq!(NotEnded(0.02).told_in("m/s"), "oscillation has not ended at a command of 20 mm/s");
+        assert_eq!(NoRise.told_in("m/s"), NoRise.to_string());
         let (time, wave) = sampled(8001, 1e-3, |t| (t.sin() + 0.3 * (9.0 * t).sin()) * (1.0 - t / 8.0));
         assert_eq!(both(critical_velocity(&time, &wave, &velocity, CRITERION)), (NoRise, NoFall));
         let even = vec![1.0; 8001];
-        assert_eq!(both(critical_velocity(&time, &even, &velocity, CRITERION)).0, NoRise);
+        assert_eq!(both(critical_velocity(&time, &even, &velocity, CRITERION)), (Constant, Constant));
         assert_eq!(both(critical_velocity(&time, &even[1..], &velocity, CRITERION)).0, NotASignal);
         assert_eq!(both(critical_velocity(&[], &[], &[], CRITERION)).0, NotASignal);
     }

@@ -120,7 +120,7 @@ mod tests {
         let found = first_oscillation(&time, &command, &slips, CRITERION);
         assert_eq!([found.rising, found.falling], [Err(NoFirstOscillation::Absent(Absent::Quiet)); 2]);
         let refused = first_oscillation(&time[..4000], &command[..4000], &slips[..4000], CRITERION).falling;
-        let no_fall = ProfileError::Unreadable(NoCriticalVelocity::NoFall);
-        assert_eq!(refused, Err(NoFirstOscillation::Unreadable(no_fall)));
+        let one_way = ProfileError::Unreadable(NoCriticalVelocity::NeverBack);
+        assert_eq!(refused, Err(NoFirstOscillation::Unreadable(one_way)));
     }
 }

@@ -40,6 +40,7 @@ pub use profile::{
     profile_picture, velocity_profile,
 };
 pub use quantity::Display;
+pub(crate) use quantity::with_unit;
 pub use ringing::{Ringing, RingingError, ringing};
 pub use scope::{ScopeError, picture};
 pub use sensitivity::{Sensitivity, sensitivities, sensitivity_pictures};

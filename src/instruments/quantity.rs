@@ -42,6 +42,11 @@ impl Display {
     }
 }
 
+/// A value with its unit, prefixed as suits it.
+pub(crate) fn with_unit(value: f64, unit: &str) -> String {
+    Display::new(unit, value).text(value)
+}
+
 /// A number to four digits, in powers of ten where it is very large or small.
 fn digits(value: f64) -> String {
     if value == 0.0 {

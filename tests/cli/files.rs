@@ -122,3 +122,20 @@ fn a_read_only_file_is_refused_before_the_run() {
     assert_eq!(errors(&ran), format!("error: cannot write {kept}: it is read-only\n"));
     assert_eq!(fs::read_to_string(&kept).unwrap(), "old");
 }
+
+#[test]
+fn a_file_where_a_folder_is_wanted_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "taken");
+    fs::write(&file, "").unwrap();
+    let below = path(&folder, "taken/new");
+    for (wanted, why) in
+        [(&file, "a file of that name is in the way".to_owned()), (&below, format!("{file} is a file"))]
+    {
+        let ran = patchcord(&["run", FIG_8_16, "--for", "0.01", "--out", wanted]);
+        assert_eq!(
+            (code(&ran), errors(&ran)),
+            (1, format!("error: cannot make the folder {wanted}: {why}\n"))
+        );
+    }
+}

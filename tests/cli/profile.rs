@@ -119,6 +119,28 @@ fn the_way_back_has_the_falling_critical_velocity() {
 }
 
 #[test]
+fn a_way_back_that_the_run_cuts_off_tells_how_long_it_takes() {
+    let cut = ["profile", FIG_8_16, "--set", "v_turn=7", "--falling"];
+    let told = printed(&cut);
+    let note = "note: the run ends at 6.641 mm/s, before the command is back at 0: give --for 14\n";
+    assert!(told.ends_with(note), "{told}");
+    assert_eq!(printed(&FALLING).matches("note: ").count(), 0);
+    let document = json(&patchcord(&[&cut[..], &["--json"]].concat()));
+    assert!(document["profile"]["note"].as_str().unwrap().ends_with("give --for 14"));
+    // Three windows after oscillation has begun.
+    let told = printed(&[&FALLING[..4], &["--set", "v_turn=7", "--for", "11.82", "--falling"]].concat());
+    assert!(told.contains("the ramp or the run ends before there are cycles enough to tell"), "{told}");
+}
+
+#[test]
+fn the_picture_of_a_way_back_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let svg = path(&folder, "back.svg");
+    assert_eq!(code(&patchcord(&[&FALLING[..], &["--plot", &svg]].concat())), 0);
+    assert!(fs::read_to_string(&svg).unwrap().contains("friction memory: command falling"));
+}
+
+#[test]
 fn ports_of_instances_are_signals() {
     let lags = "tests/patches/lags-in-macros.json";
     let ports = ["--signals", "W.between,L.minus", "--threshold", "100", "--every", "1e-3"];
@@ -175,20 +197,51 @@ fn what_is_no_profile_is_refused_with_what_helps() {
         }
         refused(&[FIG_8_16, option, "1mm"], 2, "\"1mm\" is not a number: leave out its unit");
     }
+    refused(&[FIG_8_16, "--set", "v_rate=0"], 1, "no velocity profile: the command does not change\n");
     refused(
-        &[FIG_8_16, "--set", "v_rate=0"],
+        &[FIG_8_16, "--set", "v_rate=0", "--falling"],
         1,
-        "the command does not rise steadily: --falling reads one that falls",
+        "no velocity profile: the command does not change\n",
+    );
+    let falls = ["--set", "v_start=9e-3", "--set", "v_rate=-1e-3"];
+    refused(
+        &[&[FIG_8_16][..], &falls].concat(),
+        1,
+        "does not rise steadily: --falling reads one that falls\n",
     );
     refused(
         &[FIG_8_16, "--falling"],
         1,
-        "the command does not fall steadily: without --falling one is read that rises",
+        "the command never comes back in this run: let it turn with --set v_turn=SECONDS, and run for twice as long with --for\n",
     );
-    refused(&[FIG_8_16, "--set", "v_rate=0.02"], 1, "no velocity profile: the command alone changes by");
-    refused(&[FIG_8_16, "--window", "9"], 1, "the window of 9 s is longer than the run");
-    refused(&[FIG_8_16, "--every", "0.01"], 1, "4 samples stand in a window: at least 8 are needed");
-    refused(&[FIG_8_16, "--every", "0.005", "--window", "0.04"], 1, "samples in the shortest cycle");
+    refused(
+        &[FIG_8_16, "--set", "v_rate=0.02"],
+        1,
+        "no velocity profile: the command alone changes by 780 µm/s within a window, which is not below the threshold: give a higher \
+         --threshold, or a slower command with --set\n",
+    );
+    refused(
+        &[FIG_8_16, "--window", "1e-9"],
+        1,
+        "at least 8 are needed: give a shorter --every or a longer --window\n",
+    );
+    let still = "no velocity profile: all that the run reaches, 10.16 mm/s, counts as standstill";
+    for (option, such) in [("--threshold", "0.00025"), ("--standstill", "0.000125")] {
+        let told = format!("give a lower one, in m/s, such as {option} {such}\n");
+        refused(&[FIG_8_16, option, "0.25"], 1, &told);
+        refused(&[FIG_8_16, option, "0.25"], 1, still);
+    }
+    refused(
+        &[FIG_8_16, "--window", "9"],
+        1,
+        "the window of 9 s is longer than the run of 8.466 s: give a shorter --window\n",
+    );
+    refused(&[FIG_8_16, "--every", "0.01"], 1, "4 samples stand in a window: at least 8 are needed: give");
+    refused(
+        &[FIG_8_16, "--every", "0.005", "--window", "0.04"],
+        1,
+        "samples in the shortest cycle: at least 8 are needed: give a shorter --every\n",
+    );
     refused(&[FIG_8_16, "--plot", "profile.txt"], 2, "profile.txt");
     refused(&[FIG_8_16, "--plot", FIG_8_16], 2, "");
     refused(&["patches/none.json"], 1, "none.json");

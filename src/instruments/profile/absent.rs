@@ -18,8 +18,8 @@ pub enum Absent {
     /// Four windows of oscillation do not come together.
     #[error("it does not oscillate")]
     Quiet,
-    /// Rising: it oscillates at the end of the ramp, for less than four windows.
-    #[error("the ramp ends before there are cycles enough to tell")]
+    /// It oscillates at the end of the ramp, or of the run, for less than four windows.
+    #[error("the ramp or the run ends before there are cycles enough to tell")]
     TooShort,
     /// Rising: what swings at breaking away dies away, and nothing follows.
     #[error("it rings as it breaks away, and does not oscillate after that")]

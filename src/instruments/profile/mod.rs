@@ -15,6 +15,8 @@ pub use way::Way;
 
 use super::critical_velocity::{Criterion, NoCriticalVelocity};
 use super::cycles::CyclesError;
+use super::quantity::with_unit;
+use crate::patch::told;
 use ramp::Ramp;
 
 /// What a velocity profile shows, while the command rises or while it falls.
@@ -93,6 +95,31 @@ pub enum ProfileError {
     /// The standstill is not above 0.
     #[error("a standstill lies above 0: {0} does not")]
     BadStandstill(f64),
+    /// Command and velocity stay below the standstill.
+    #[error("{}", all_stands_still(&told(*.reached), &told(*.standstill)))]
+    StandsStill {
+        /// A velocity up to this is standstill.
+        standstill: f64,
+        /// The largest command or velocity, without sign.
+        reached: f64,
+    },
+}
+
+impl ProfileError {
+    /// Its text with velocities in this unit, as a person reads them.
+    pub fn told_in(self, unit: &str) -> String {
+        match self {
+            ProfileError::Unreadable(why) => why.told_in(unit),
+            ProfileError::StandsStill { standstill, reached } => {
+                all_stands_still(&with_unit(reached, unit), &with_unit(standstill, unit))
+            }
+            error => error.to_string(),
+        }
+    }
+}
+
+fn all_stands_still(reached: &str, standstill: &str) -> String {
+    format!("all that the run reaches, {reached}, counts as standstill, which goes up to {standstill}")
 }
 
 /// Finds the points and sections of a velocity profile. Rising, the command goes from rest, or a run, up to its largest value, in either
@@ -274,6 +301,11 @@ mod tests {
         assert_eq!(goes_on.sections.map(|section| section.err())[..3], absent);
         let slides = cut(|command| if (1.0..2.0).contains(&command) { 0.3 } else { 0.0 });
         assert_eq!(slides.points.map(|point| point.err()), [no_rest, None, no, no, None]);
+        let short = Some(Absent::TooShort);
+        let begins = cut(|command| if command < 0.55 { command + 0.2 } else { 0.0 });
+        assert_eq!(begins.points.map(|point| point.err()), [no_rest, short, short, short, short]);
+        let bout = cut(|command| if (1.5..1.53).contains(&command) { 0.3 } else { 0.0 });
+        assert_eq!(bout.points.map(|point| point.err()), [no_rest, quiet, quiet, quiet, quiet]);
     }
 
     #[test]
@@ -332,10 +364,14 @@ mod tests {
             velocity_profile(&time, command, &vec![0.0; 6001], criterion, Way::Rising)
         };
         let refused = |command: &[f64]| with(command, CRITERION).unwrap_err();
-        assert_eq!(refused(&vec![1.0; 6001]), ProfileError::Unreadable(NoCriticalVelocity::NoRise));
+        assert_eq!(refused(&vec![1.0; 6001]), ProfileError::Unreadable(NoCriticalVelocity::Constant));
+        let falls: Vec<f64> = command.iter().map(|value| 3.0 - value).collect();
+        assert_eq!(refused(&falls), ProfileError::Unreadable(NoCriticalVelocity::NoRise));
         assert_eq!(refused(&command[1..]), ProfileError::Unreadable(NoCriticalVelocity::NotASignal));
         let still = |standstill| with(&command, ProfileCriterion { standstill, ..CRITERION }).unwrap_err();
         assert_eq!(still(0.0), ProfileError::BadStandstill(0.0));
         assert!(matches!(still(f64::NAN), ProfileError::BadStandstill(_)));
+        assert_eq!(still(3.0), ProfileError::StandsStill { standstill: 3.0, reached: 3.0 });
+        assert!(with(&command, ProfileCriterion { standstill: 2.9, ..CRITERION }).is_ok());
     }
 }

@@ -40,6 +40,7 @@ impl Ramp {
             (_, Ok(_) | Err(NotEnded(_) | NotBegun)) if oscillates => None,
             _ if self.way == Way::Rising && rings => Some(Absent::RingsOnly),
             (_, Err(NotEnded(_))) => Some(Absent::TooShort),
+            (_, Ok(_)) if self.way == Way::Falling && self.is_cut_off() => Some(Absent::TooShort),
             _ => Some(Absent::Quiet),
         }
     }

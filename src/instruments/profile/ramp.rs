@@ -1,6 +1,6 @@
 //! One way of a command, as a way up: what falls is read backward in time.
 
-use super::super::critical_velocity::{Criterion, NoCriticalVelocity, REST, critical_samples};
+use super::super::critical_velocity::{Criterion, NoCriticalVelocity, REST, critical_samples, largest_of};
 use super::super::cut::at;
 use super::super::cycles::{Cycle, CyclesError, cycles};
 use super::super::steadiness::Steadiness;
@@ -48,6 +48,7 @@ impl Ramp {
             end => end.map(|sample| time[sample]),
         };
         let samples = way.samples(command);
+        check_reach(criterion.standstill, [&command[samples.clone()], &velocity[samples.clone()]])?;
         let direction = command[way.of([samples.end - 1, samples.start])].signum();
         let [time, command, velocity] =
             [(time, 1.0), (command, direction), (velocity, direction)].map(|(values, sign)| {
@@ -122,6 +123,11 @@ impl Ramp {
         steadiness.first_rest(first..self.time.len()).map(|rest| self.time[rest])
     }
 
+    /// Whether the run ends while the command falls, and the velocity does not follow it there.
+    pub fn is_cut_off(&self) -> bool {
+        self.command[0] > self.criterion.standstill && self.first_rest(self.begin()) != Some(self.begin())
+    }
+
     /// Whether cycles that go on from one to the next last for four windows.
     pub fn lasts(&self, bout: &[Cycle]) -> bool {
         let [Some(first), Some(last)] = [bout.first(), bout.last()] else { return false };
@@ -168,6 +174,12 @@ impl Ramp {
 /// Cycles that go on from one to the next: between two of these the velocity has rested.
 pub(super) fn bouts(cycles: &[Cycle]) -> impl Iterator<Item = &[Cycle]> {
     cycles.chunk_by(|cycle, next| cycle.end == next.begin)
+}
+
+/// That command or velocity passes standstill somewhere.
+fn check_reach(standstill: f64, values: [&[f64]; 2]) -> Result<(), ProfileError> {
+    let reached = values.map(largest_of).into_iter().fold(0.0, f64::max);
+    if reached > standstill { Ok(()) } else { Err(ProfileError::StandsStill { standstill, reached }) }
 }
 
 /// Whether it is the points that tell why there is no critical velocity.

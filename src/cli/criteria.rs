@@ -1,0 +1,31 @@
+//! What is said where no critical velocity can be read, and which option helps.
+
+use patchcord::instruments::{CyclesError, NoCriticalVelocity, WindowError};
+
+/// The options that change the criterion, or the command, so that it can be read; `slower` makes the command slower.
+pub(super) fn advice_on(error: &NoCriticalVelocity, slower: &str) -> Option<String> {
+    match error {
+        NoCriticalVelocity::Window(error) => advice_on_window(*error),
+        NoCriticalVelocity::CommandTooFast(_) => {
+            Some(format!("give a higher --threshold, or {slower} with --set"))
+        }
+        _ => None,
+    }
+}
+
+/// The same where it is cycles that cannot be read.
+pub(super) fn advice_on_cycles(error: &CyclesError) -> Option<String> {
+    match error {
+        CyclesError::Window(error) => advice_on_window(*error),
+        CyclesError::TooCoarse(_) => Some("give a shorter --every".to_owned()),
+        _ => None,
+    }
+}
+
+fn advice_on_window(error: WindowError) -> Option<String> {
+    match error {
+        WindowError::TooCoarse(_) => Some("give a shorter --every or a longer --window".to_owned()),
+        WindowError::TooLong { .. } => Some("give a shorter --window".to_owned()),
+        WindowError::BadCriterion => None,
+    }
+}
