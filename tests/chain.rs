@@ -237,19 +237,43 @@ fn the_same_comes_out_whatever_the_threads_and_the_backend() {
 /// What dies away too slowly is not run longer and longer.
 #[test]
 fn next_to_no_damping_has_no_end_and_says_so() {
-    for (damping, told) in [(0.0, "f = 0 N s/m never damps it"), (10.0, "f = 10 N s/m takes ")] {
+    for damping in [0.0, 10.0] {
         let chain = chain(&inputs(20.0), &[("f", damping)]);
         let Simulation { ramp, critical, parameters, .. } = &chain.simulation;
         let once = 1.25 * parameters.limit + 4e-3;
         assert!((once..once + 0.1 * ramp.rate + 1e-9).contains(&ramp.top()), "{ramp:?}");
         assert_eq!(critical.rising, Err(NoCriticalVelocity::NotEnded(ramp.top())));
-        assert!(chain.notes.len() == 1 && chain.notes[0].contains(told), "{:?}", chain.notes);
+        assert!(
+            chain.notes.len() == 1 && chain.notes[0].contains(", beyond VcL, and comes down below VcL, "),
+            "{:?}",
+            chain.notes
+        );
         assert!(chain.advice.iter().all(|advice| advice.verdict == Verdict::NotRead), "{:?}", chain.advice);
         // Friction is gone: what is left shrinks by e in 2 M / f. It swings about the command by as much as that.
         let least =
             2.0 * parameters.mass / damping * (ramp.top() / chain.simulation.criterion.threshold).ln();
         assert!((least..1.3 * least).contains(&chain.simulation.dies_in()) || damping == 0.0);
     }
+}
+
+/// Only what swings above VcL is left to the viscous coefficient.
+#[test]
+fn what_swings_above_vcl_is_told_how_long_it_lasts() {
+    let notes = chain(&inputs(20.0), &[("f", 326.0), ("v_rate", 3e-3), ("v_turn", 57.0)]).notes;
+    let told = "oscillation goes on at a command of 171 mm/s, beyond VcL; f = 326 N s/m takes 12.15 s at least to damp it";
+    assert_eq!(notes, [told]);
+}
+
+#[test]
+fn what_was_not_measured_is_extrapolated() {
+    let beyond = chain(&Inputs { weight: 1000.0 * KGF, ..inputs(50.0) }, &[]);
+    assert_eq!(
+        beyond.notes[..2],
+        [
+            "table is 1000 kgf, and was measured at 450 and 850 kgf only: this extrapolates",
+            "drive is 50 kN/mm, and was measured at 11 ... 45 kN/mm only: this extrapolates",
+        ]
+    );
 }
 
 #[test]
@@ -272,19 +296,19 @@ fn what_makes_no_chain_is_told() {
         (told(Inputs { weight: -KGF, ..base }, &[]), "weight is -1 kgf, and must be above 0"),
         (told(Inputs { area: CM2, ..base }, &[]), "weight / area is 450 kgf/cm2, and must be 0.0001 ... 8"),
         (told(inputs(0.0), &[]), "stiffness is 0 kN/mm, and must be above 0"),
-        (told(inputs(1.0), &[]), "K = 1 MN/m is beyond what the circuit of Fig 8.16 takes, 5 ... 178 MN/m"),
+        (told(inputs(1.0), &[]), "K = 1 MN/m is below what the circuit of Fig 8.16 takes, 5 ... 178 MN/m"),
         (
             told(Inputs { weight: 20.0 * KGF, ..base }, &[]),
-            "M = 20 kg is beyond what the circuit of Fig 8.16 takes, 180 ... 4000 kg",
+            "M = 20 kg is below what the circuit of Fig 8.16 takes, 180 ... 4000 kg",
         ),
         (
             told(Inputs { ridge: Ridge { width: 50.0 * UM, height: 0.0 }, ..base }, &[]),
-            "height of a ridge is 0 m, and must be 0.000000001 ... 0.1",
+            "height of a ridge is 0 um, and must be 0.001 ... 100000",
         ),
         (told(base, &[("k", 1.0)]), "the circuit of Fig 8.16 has no parameter k; did you mean \"K\"?"),
         (
             told(base, &[("v_turn", 4000.0)]),
-            "v_turn = 4000 s is beyond what the circuit of Fig 8.16 takes, 0 ... 3600 s",
+            "v_turn = 4000 s is above what the circuit of Fig 8.16 takes, 0 ... 3600 s",
         ),
         (
             told(base, &[("v_rate", -1e-3)]),
@@ -294,15 +318,15 @@ fn what_makes_no_chain_is_told() {
             told(base, &[("v_rate", 0.1)]),
             "the critical velocity cannot be read: the command alone changes by 3.9 mm/s within a window",
         ),
-        (told(base, &[("Tc", 1e-4)]), "Tc = 100 µs is beyond what the circuit of Fig 8.16 takes, "),
+        (told(base, &[("Tc", 1e-4)]), "Tc = 0.1 ms is below what the circuit of Fig 8.16 takes, "),
         // From the least with the smallest scales to the largest with the largest.
         (
             told(base, &[("VcL", 15.0)]),
-            "VcL = 15 m/s is beyond what the circuit of Fig 8.16 takes, 0.000254 ... 10 m/s",
+            "VcL = 15000 mm/s is above what the circuit of Fig 8.16 takes, 0.254 ... 10000 mm/s",
         ),
         (
             told(base, &[("VcL", 0.3e-3), ("v_turn", 40.0)]),
-            "VcL = 300 µm/s is beyond what the circuit of Fig 8.16 takes with scales 5 times as large, which the command or what \
+            "VcL = 0.3 mm/s is below what the circuit of Fig 8.16 takes with scales 5 times as large, which the command or what \
              overshoots it asks for: 1.27 ... 250 mm/s",
         ),
     ];

@@ -54,10 +54,14 @@ pub enum Verdict {
     TooClose,
     /// There is no oscillation without the advice.
     NothingToLower,
+    /// Without the advice it rings as it breaks away, and does not oscillate after that.
+    OnlyRings,
     /// What the advice would change is set by hand, and stays.
     NothingChanged,
-    /// The critical velocity of one of the runs cannot be read, or so little is known of it that either may be lower.
+    /// Oscillation goes on where the command turns back, with the advice or without, and either critical velocity may be the lower one.
     NotRead,
+    /// The command is too fast for half of the threshold.
+    TooFast,
     /// The run could not be made.
     NotRun,
 }
@@ -71,7 +75,9 @@ impl Verdict {
             Verdict::TooClose => "not confirmed by the run: too close",
             Verdict::NothingToLower => "nothing to lower",
             Verdict::NothingChanged => "nothing changes: it is set",
-            Verdict::NotRead => "cannot be read",
+            Verdict::OnlyRings => "nothing to lower: it only rings",
+            Verdict::NotRead => "cannot be read: it oscillates on where the command turns back",
+            Verdict::TooFast => "cannot be read: the command is too fast for half the threshold",
             Verdict::NotRun => "could not be run",
         }
     }
@@ -184,6 +190,9 @@ fn verdict(before: &Simulation, after: Option<&Outcome>) -> Verdict {
     if before.critical.rising == Err(NoCriticalVelocity::Quiet) {
         return Verdict::NothingToLower;
     }
+    if before.only_rings() {
+        return Verdict::OnlyRings;
+    }
     if after.parameters == before.parameters {
         return Verdict::NothingChanged;
     }
@@ -201,7 +210,7 @@ fn compared(
     resolution: f64,
 ) -> Verdict {
     let [Some(before), Some(after)] = [before, after].map(|read| between(read, resolution)) else {
-        return Verdict::NotRead;
+        return Verdict::TooFast;
     };
     let is_below = |one: [f64; 2], other: [f64; 2]| one[1] + resolution < other[0];
     match () {
@@ -226,7 +235,7 @@ fn between(read: Result<f64, NoCriticalVelocity>, resolution: f64) -> Option<[f6
 /// What comparisons with several thresholds come to.
 fn together(verdicts: impl Iterator<Item = Verdict>) -> Verdict {
     let all: Vec<_> = verdicts.collect();
-    let least = [Verdict::NotRead, Verdict::NotConfirmed, Verdict::TooClose];
+    let least = [Verdict::TooFast, Verdict::NotRead, Verdict::NotConfirmed, Verdict::TooClose];
     least.into_iter().find(|verdict| all.contains(verdict)).unwrap_or(Verdict::Confirmed)
 }
 
@@ -245,7 +254,7 @@ mod tests {
         assert_eq!(near(Ok(5.0), Ok(5.05)), TooClose);
         assert_eq!(near(Ok(5.0), Ok(5.2)), NotConfirmed);
         assert_eq!(near(Ok(5.0), Err(NoCriticalVelocity::NotEnded(9.0))), NotConfirmed);
-        assert_eq!(near(Ok(5.0), Err(NoCriticalVelocity::NoRise)), NotRead);
+        assert_eq!(near(Ok(5.0), Err(NoCriticalVelocity::CommandTooFast(0.3))), TooFast);
         let on = |top| Err(NoCriticalVelocity::NotEnded(top));
         assert_eq!(near(on(9.0), Ok(5.0)), Confirmed, "it was above 8.5");
         assert_eq!(near(on(9.0), quiet), Confirmed);

@@ -29,10 +29,10 @@ pub enum ChainError {
         error: SlidewayError,
     },
     /// No scales of the circuit take a value: the bounds go from the least value to the largest, each with the scales that allow it.
-    #[error("{} is beyond what the circuit of Fig 8.16 takes, {}", .0.told(), .0.bounds_told())]
+    #[error("{} what the circuit of Fig 8.16 takes, {}", .0.told(), .0.bounds_told())]
     BeyondCircuit(Beyond),
     /// The scales that another value asks for do not take a value.
-    #[error("{} is beyond what the circuit of Fig 8.16 takes with scales {multiple} times as large, which the command or what overshoots it asks for: {}", beyond.told(), beyond.bounds_told())]
+    #[error("{} what the circuit of Fig 8.16 takes with scales {multiple} times as large, which the command or what overshoots it asks for: {}", beyond.told(), beyond.bounds_told())]
     BeyondScales {
         /// The value, and the bounds that it has with these scales.
         beyond: Beyond,
@@ -95,13 +95,20 @@ pub struct Beyond {
 }
 
 impl Beyond {
+    /// Value and bounds in one unit, which suits the middle of the bounds.
+    fn display(&self) -> Display {
+        let [low, high] = self.bounds;
+        Display::new(&self.unit, if low > 0.0 { (low * high).sqrt() } else { high })
+    }
+
     fn told(&self) -> String {
-        format!("{} = {}", self.name, with_unit(self.value, &self.unit))
+        let side = if self.value < self.bounds[0] { "below" } else { "above" };
+        format!("{} = {} is {side}", self.name, self.display().text(self.value))
     }
 
     fn bounds_told(&self) -> String {
         let [low, high] = self.bounds;
-        let display = Display::new(&self.unit, high);
+        let display = self.display();
         format!("{} ... {}", display.number(low), display.text(high))
     }
 }

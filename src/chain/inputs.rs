@@ -6,7 +6,7 @@ use crate::patch::told;
 use crate::slideway::Range;
 use crate::slideway::design::{Design, Interface, LIFT, NON_POLAR, POLAR_ADDITIVE};
 use crate::slideway::ridge::Ridge;
-use crate::slideway::units::{CM2, KGF, KGF_PER_CM2, N_PER_MM, POISE};
+use crate::slideway::units::{CM2, KGF, KGF_PER_CM2, N_PER_MM, POISE, UM};
 use crate::slideway::wedge::RangeProfile;
 
 const VISCOSITY: Range = Range::new("viscosity", "P", 1e-3, 1e3);
@@ -15,6 +15,10 @@ const AREA: Range = Range::positive("area", "cm2");
 const STIFFNESS: Range = Range::positive("stiffness", "kN/mm");
 /// The pressures over which the surfaces of chapter 7 are known.
 const PRESSURE: Range = Range::new("weight / area", "kgf/cm2", 1e-4, 8.0);
+
+/// Those of [`Ridge`], as a designer has them.
+const RIDGE_WIDTH: Range = Range::new("width of a ridge", "um", 1e-3, 1e5);
+const RIDGE_HEIGHT: Range = Range::new("height of a ridge", "um", 1e-3, 1e5);
 
 /// Viscosities and weights for which the study has measurements.
 const MEASURED_VISCOSITY: Range = Range::new("oil", "P", 0.13, 0.595);
@@ -80,8 +84,8 @@ impl Inputs {
             (AREA, self.area / CM2, &[Input::Area]),
             (STIFFNESS, self.kilonewtons(), &[Input::Stiffness]),
             (PRESSURE, self.pressure() / KGF_PER_CM2, &[Input::Weight, Input::Area]),
-            (Ridge::WIDTHS, self.ridge.width, &[Input::RidgeWidth]),
-            (Ridge::HEIGHTS, self.ridge.height, &[Input::RidgeHeight]),
+            (RIDGE_WIDTH, self.ridge.width / UM, &[Input::RidgeWidth]),
+            (RIDGE_HEIGHT, self.ridge.height / UM, &[Input::RidgeHeight]),
         ];
         for (range, value, inputs) in looks {
             range.check(rounded(value)).map_err(|error| ChainError::Input { inputs, error })?;
@@ -115,15 +119,24 @@ impl Inputs {
     /// What lies beyond the oils, tables and drives that the study has measurements for: there its laws are stretched.
     pub(super) fn notes(&self) -> Vec<String> {
         let looks = [
-            (MEASURED_VISCOSITY, self.viscosity / POISE),
-            (MEASURED_WEIGHT, self.weight / KGF),
-            (MEASURED_STIFFNESS, self.kilonewtons()),
+            (MEASURED_VISCOSITY, self.viscosity / POISE, "..."),
+            (MEASURED_WEIGHT, self.weight / KGF, "and"),
+            (MEASURED_STIFFNESS, self.kilonewtons(), "..."),
         ];
-        let beyond = looks.iter().filter_map(|(range, value)| range.check(rounded(*value)).err());
-        let mut notes: Vec<_> = beyond.map(|error| format!("{error} to be one that was measured")).collect();
+        let looks = looks.map(|(range, value, to)| (range, rounded(value), to));
+        let beyond = looks.into_iter().filter(|(range, value, _)| range.check(*value).is_err());
+        let mut notes: Vec<_> = beyond.map(|(range, value, to)| extrapolates(range, value, to)).collect();
         if self.polar {
             notes.push("no oil with polar additive was measured: Tc is that of an oil without".to_owned());
         }
         notes
     }
+}
+
+/// That a value lies beyond those that were measured, from the lowest to the highest or these two.
+fn extrapolates(Range { quantity, unit, low, high }: Range, value: f64, to: &str) -> String {
+    format!(
+        "{quantity} is {} {unit}, and was measured at {low} {to} {high} {unit} only: this extrapolates",
+        told(value)
+    )
 }

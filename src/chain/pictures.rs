@@ -26,8 +26,9 @@ pub fn pictures(chain: &Chain, notes: [&str; 2]) -> [Picture; 2] {
         let line = plane.line(VELOCITY, points.iter().copied());
         plane.picture(title, vec![line], marks, Some(note.to_owned()))
     };
-    let ends = title("rises", "ends at", critical.rising, &shown);
-    let begins = title("falls", "begins at", critical.falling, &shown);
+    let what = if chain.simulation.only_rings() { "ringing ends at" } else { "oscillation ends at" };
+    let ends = title("rises", what, critical.rising, &shown);
+    let begins = title("falls", "oscillation begins at", critical.falling, &shown);
     [
         picture(ends, rising, marks(critical.rising, &equations(chain)), notes[0]),
         picture(begins, falling, marks(critical.falling, &[]), notes[1]),
@@ -37,7 +38,7 @@ pub fn pictures(chain: &Chain, notes: [&str; 2]) -> [Picture; 2] {
 /// "System velocity profile: the command rises, oscillation ends at 4.54 mm/s".
 fn title(way: &str, turns: &str, read: Result<f64, NoCriticalVelocity>, shown: &Display) -> String {
     let told = match read {
-        Ok(velocity) => format!("oscillation {turns} {}", shown.text(velocity)),
+        Ok(velocity) => format!("{turns} {}", shown.text(velocity)),
         Err(error) => error.told_in("m/s"),
     };
     format!("System velocity profile: the command {way}, {told}")

@@ -8,7 +8,10 @@ use super::parameters::Parameters;
 use super::ramp::Ramp;
 use super::settings::Settings;
 use crate::circuit::{Circuit, Element};
-use crate::instruments::{Criterion, CriticalVelocity, NoCriticalVelocity, critical_velocity, with_unit};
+use crate::instruments::{
+    Absent, Criterion, CriticalVelocity, NoCriticalVelocity, ProfileCriterion, Way, critical_velocity,
+    velocity_profile, with_unit,
+};
 use crate::patch::{Amount, Patch};
 use crate::program::Program;
 use crate::solve::{self, RunSettings};
@@ -133,16 +136,38 @@ impl Simulation {
     }
 
     /// How long the motion at the end of the rise takes at least to get below the threshold, in s: 2 M / f x ln(swing / threshold). Beyond
-    /// VcL only the viscous coefficient damps it; where the command ends below, nothing is said (0).
+    /// VcL only the viscous coefficient damps it, and a swing that comes down below VcL lasts longer; where the command ends below VcL,
+    /// nothing is said (0).
     pub fn dies_in(&self) -> f64 {
         let Parameters { mass, damping, limit, .. } = self.parameters;
-        let end = self.trace.time.partition_point(|time| *time <= self.ramp.turn);
-        let begin = self.trace.time.partition_point(|time| *time < self.ramp.turn - self.criterion.window);
-        let swing = self.swing(begin..end).min(2.0 * self.ramp.top());
+        let swing = self.swing(self.last_of_rise()).min(2.0 * self.ramp.top());
         if self.ramp.top() <= limit || swing <= self.criterion.threshold {
             return 0.0;
         }
         2.0 * mass / damping * (swing / self.criterion.threshold).ln()
+    }
+
+    /// Whether it only rings as it breaks away while the command rises, and does not oscillate after that: what is read as the rising
+    /// critical velocity is where that ringing ends.
+    pub fn only_rings(&self) -> bool {
+        let [command, velocity] = [COMMAND, VELOCITY].map(|name| self.trace.values(name).unwrap_or_default());
+        let criterion = ProfileCriterion::usual(self.criterion);
+        let profile = velocity_profile(&self.trace.time, &command, &velocity, criterion, Way::Rising);
+        let rings = profile.is_ok_and(|profile| profile.points[4] == Err(Absent::RingsOnly));
+        rings && self.critical.rising.is_ok()
+    }
+
+    /// The samples of the last window of the rise.
+    fn last_of_rise(&self) -> Range<usize> {
+        let end = self.trace.time.partition_point(|time| *time <= self.ramp.turn);
+        let begin = self.trace.time.partition_point(|time| *time < self.ramp.turn - self.criterion.window);
+        begin..end
+    }
+
+    /// The least velocity within the last window of the rise.
+    fn least_at_turn(&self) -> f64 {
+        let velocity = self.trace.values(VELOCITY).unwrap_or_default();
+        velocity[self.last_of_rise()].iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// By how much the velocity less the command swings within some samples, peak to peak.
@@ -154,8 +179,13 @@ impl Simulation {
         ends[1] - ends[0]
     }
 
-    /// What the reader should know of an oscillation whose end is not seen.
+    /// What the reader should know of an oscillation that is only ringing, or whose end is not seen.
     pub(super) fn note(&self) -> Option<String> {
+        if self.only_rings() {
+            let told = "it rings as it breaks away, and does not oscillate after that: while the command rises, what is read is where \
+                        that ringing ends";
+            return Some(told.to_owned());
+        }
         let Err(NoCriticalVelocity::NotEnded(top)) = self.critical.rising else { return None };
         let (top, damping) = (with_unit(top, "m/s"), with_unit(self.parameters.damping, "N s/m"));
         let time = self.dies_in();
@@ -164,9 +194,13 @@ impl Simulation {
             time if time.is_finite() => format!("takes {} at least to damp it", with_unit(time, "s")),
             _ => "never damps it".to_owned(),
         };
-        Some(format!(
-            "oscillation goes on at a command of {top}, where solid friction is gone; f = {damping} {why}"
-        ))
+        let goes_on = format!("oscillation goes on at a command of {top}, beyond VcL");
+        // What comes down below VcL is not damped by f alone.
+        Some(if self.least_at_turn() > self.parameters.limit {
+            format!("{goes_on}; f = {damping} {why}")
+        } else {
+            format!("{goes_on}, and comes down below VcL, where there is solid friction")
+        })
     }
 
     /// By how much the command changes within a window, in m/s: what a critical velocity is known to at best.

@@ -10,7 +10,7 @@ use super::files::{places, prepare, put, written};
 use super::load::setting;
 use super::numbers::above_zero;
 use super::progress::Bar;
-use super::slideway_report::{self as report, criterion_told};
+use super::slideway_report::{self as report, criterion_told, number};
 use super::times::{FinenessArguments, with_advice};
 use super::{say, say_json};
 use patchcord::chain::{Chain, ChainError, Input, Inputs, Settings, pictures};
@@ -184,6 +184,10 @@ impl Arguments {
                 if self.set.iter().any(|(name, _)| *name == beyond.name) {
                     return Some(format!("it is set by --set {}", beyond.name));
                 }
+                if beyond.name == "K" {
+                    let bounds = beyond.bounds.map(|bound| number(bound / (1e3 * N_PER_MM)));
+                    return Some(format!("--stiffness takes {} kN/mm", bounds.join(" ... ")));
+                }
                 origin(&beyond.name)?
             }
             ChainError::NoRise { .. } => "change it with --set",
@@ -210,7 +214,6 @@ fn option(input: Input) -> &'static str {
 fn origin(parameter: &str) -> Option<&'static str> {
     match parameter {
         "M" => Some("it follows from --weight"),
-        "K" => Some("it is that of --stiffness"),
         "Fs" => Some("it follows from --weight, --area, --polar and the ridges"),
         "VcL" => Some("it follows from --oil, --weight, --area and the ridges"),
         "Tc" => Some("it follows from --oil and --weight"),

@@ -37,7 +37,8 @@ fn heading(chain: &Chain) -> String {
     )
 }
 
-fn number(value: f64) -> String {
+/// A number to four digits.
+pub(super) fn number(value: f64) -> String {
     Display::new("", 1.0).number(value)
 }
 

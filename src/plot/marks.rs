@@ -18,6 +18,10 @@ const GAP: f64 = 4.0;
 /// Half the thickness of a line.
 const HALF: f64 = 0.5;
 
+/// Labels stand in so many rows, the next where there is no room in those above, each so far below the one above.
+const ROWS: usize = 2;
+const ROW: f64 = 14.0;
+
 /// Lines nearer to each other than this are drawn as one.
 const NEAREST: f64 = 2.0;
 
@@ -33,6 +37,7 @@ pub(super) fn draw(
         places.zip(&picture.marks).filter(|(part, _)| (0.0..=1.0).contains(part)).collect();
     marks.sort_by(|one, other| one.0.total_cmp(&other.0));
     let mut texts: Vec<Area> = Vec::new();
+    let mut free = [screen.left; ROWS];
     let mut line_free = screen.left;
     for (part, mark) in marks {
         let x = (screen.left + part * screen.width()).floor() + HALF;
@@ -42,11 +47,13 @@ pub(super) fn draw(
         }
         let label = font.shortened(&mark.label, TEXT, screen.width());
         let (from, to) = (x + BESIDE, x + BESIDE + font.width(&label, TEXT));
-        let label_free = texts.last().map_or(screen.left, |last| last.right + BETWEEN);
-        if from >= label_free && to <= screen.right {
+        let row = free.iter().position(|free| from >= *free).filter(|_| to <= screen.right);
+        if let Some(row) = row {
             let lettering = Lettering { size: TEXT, colour: palette::NOTE, align: Align::Start };
-            surface.text(&label, (from, screen.top + BELOW_EDGE), lettering)?;
-            texts.push(Area { left: from, top: screen.top, right: to, bottom: screen.top + BELOW_EDGE });
+            let top = screen.top + ROW * row as f64;
+            surface.text(&label, (from, top + BELOW_EDGE), lettering)?;
+            texts.push(Area { left: from, top, right: to, bottom: top + BELOW_EDGE });
+            free[row] = to + BETWEEN;
         }
     }
     Ok(texts)

@@ -156,10 +156,11 @@ mod tests {
         let mark = |at: f64, label: &str| Mark { at, label: label.to_owned() };
         let mut marked = wave();
         marked.marks =
-            vec![mark(4.0, "k = 20 N/m"), mark(2.0, "hold"), mark(2.1, "no room"), mark(99.0, "outside")];
+            vec![mark(4.0, "k = 20 N/m"), mark(2.0, "hold"), mark(2.1, "below"), mark(2.2, "no room")];
+        marked.marks.push(mark(99.0, "outside"));
         marked.channels[0].labels = vec![(499, "m = 2 kg".to_owned()), (7000, "nowhere".to_owned())];
         let text = svg(&[marked.clone()]);
-        for part in ["hold", "k = 20 N/m", "m = 2 kg"] {
+        for part in ["hold", "below", "k = 20 N/m", "m = 2 kg"] {
             assert!(text.contains(&format!(">\n{part}\n<")), "{part}");
         }
         for part in ["no room", "outside", "nowhere"] {

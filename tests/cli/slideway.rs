@@ -73,11 +73,17 @@ fn wrong_inputs_are_told_with_the_option_that_helps() {
     let cases: [(&[&str], &str); 17] = [
         (
             &["--set", "M=20"],
-            "M = 20 kg is beyond what the circuit of Fig 8.16 takes, 180 ... 4000 kg: it is set by --set M",
+            "M = 20 kg is below what the circuit of Fig 8.16 takes, 180 ... 4000 kg: it is set by --set M",
         ),
         (&["--set", "v_turn=4000"], "0 ... 3600 s: it is set by --set v_turn"),
-        (&["--ridge-height", "1e-6"], "and must be 0.000000001 ... 0.1: --ridge-height\n"),
-        (&["--ridge-width", "1e9"], "and must be 0.000000001 ... 0.1: --ridge-width\n"),
+        (
+            &["--ridge-height", "1e-6"],
+            "height of a ridge is 0.000001 um, and must be 0.001 ... 100000: --ridge-height\n",
+        ),
+        (
+            &["--ridge-width", "1e9"],
+            "width of a ridge is 1000000000 um, and must be 0.001 ... 100000: --ridge-width\n",
+        ),
         (&["--ridge-width", "50000"], ": --ridge-width and --ridge-height\n"),
         (&["--set", "q=1"], "the circuit of Fig 8.16 has no parameter q; known here: M, K, f, Fs, VcL, Tc"),
         (&["--set", "v_turn=-1"], "the velocity command has to rise"),
@@ -104,10 +110,27 @@ fn wrong_inputs_are_told_with_the_option_that_helps() {
     };
     assert!(of("1e-5", "450", "20").contains("viscosity is 0.00001 P, and must be 0.001 ... 1000: --oil"));
     assert!(
-        of("0.3", "20", "20").contains("M = 20 kg is beyond") && of("0.3", "20", "20").contains("--weight")
+        of("0.3", "20", "20").contains("M = 20 kg is below") && of("0.3", "20", "20").contains("--weight")
     );
-    assert!(of("0.3", "450", "200").contains("5 ... 178 MN/m: it is that of --stiffness"));
+    assert!(of("0.3", "450", "200").contains("5 ... 178 MN/m: --stiffness takes 5 ... 178 kN/mm\n"));
+    assert!(of("0.3", "450", "20e6").contains("K = 2.000e7 MN/m is above what"));
     assert!(errors(&patchcord(&["slideway", "--oil", "0.3"])).contains("--weight <KGF>"));
+}
+
+/// With the polar additive there is nothing but the ringing behind the first slip.
+#[test]
+fn ringing_is_no_oscillation_that_advice_could_lower() {
+    let folder = tempfile::tempdir().unwrap();
+    let plot = path(&folder, "polar.svg");
+    let polar = out(&slideway(&["--polar", "--plot", &plot]));
+    assert_eq!(polar.matches("nothing to lower: it only rings\n").count(), 7, "{polar}");
+    assert!(
+        polar.contains("\nnote: it rings as it breaks away, and does not oscillate after that"),
+        "{polar}"
+    );
+    assert!(fs::read_to_string(&plot).unwrap().contains("the command rises, ringing ends at 0.4644 mm/s"));
+    let fast = out(&slideway(&["--set", "v_rate=4e-3"]));
+    assert!(fast.contains("cannot be read: the command is too fast for half the threshold\n"), "{fast}");
 }
 
 #[test]
