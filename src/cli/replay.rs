@@ -70,11 +70,12 @@ impl Arguments {
     /// The figures asked for, each once, in the order of the study.
     fn figures(&self) -> Result<Vec<&'static Figure>, Failure> {
         let known: Vec<&str> = figures().map(|figure| figure.id).chain(["all"]).collect();
-        if let Some(id) = self.ids.iter().find(|id| !known.contains(&id.as_str())) {
+        let is_known = |id: &&String| id.as_str() == "all" || figures().any(|figure| goes_by(figure, id));
+        if let Some(id) = self.ids.iter().find(|id| !is_known(id)) {
             let hint = suggestion(id, &known).unwrap_or_else(|| "patchcord replay lists them".to_owned());
             return Err(Failure::usage(format!("there is no figure {id}; {hint}")));
         }
-        let is_asked = |figure: &&Figure| self.ids.iter().any(|id| id == "all" || id == figure.id);
+        let is_asked = |figure: &&Figure| self.ids.iter().any(|id| id == "all" || goes_by(figure, id));
         Ok(figures().filter(is_asked).collect())
     }
 
@@ -112,6 +113,12 @@ impl Arguments {
         figures().for_each(|figure| table.row([figure.id, figure.place, figure.title].map(str::to_owned)));
         say(&table.text())
     }
+}
+
+/// Whether this is what a figure is called: fig-8-24, 8.24 or "Fig 8.24".
+fn goes_by(figure: &Figure, id: &str) -> bool {
+    let number = figure.number();
+    id == figure.id || id == number || number.strip_prefix("Fig ") == Some(id)
 }
 
 fn performed(figures: &[&'static Figure], claims: &[Claim]) -> Result<(Vec<Drawn>, Vec<Examined>), Failure> {
@@ -158,8 +165,17 @@ fn in_folder<'a>(folder: &Path, exhibits: &'a [Exhibit<'a>], examined: &[Examine
         let patches = patches.map(|patch| output(patch.file(), Content::Text(patch.text().into())));
         [picture].into_iter().chain(patches).collect::<Vec<_>>()
     };
-    let page = output("index.html", Content::Text(replay::gallery(exhibits, examined).into()));
+    let page = output(&page_name(exhibits), Content::Text(replay::gallery(exhibits, examined).into()));
     exhibits.iter().flat_map(of_exhibit).chain([page]).collect()
+}
+
+/// A page of some figures does not take the place of that of all.
+fn page_name(exhibits: &[Exhibit<'_>]) -> String {
+    match exhibits {
+        _ if exhibits.len() == figures().count() => "index.html".to_owned(),
+        [one] => format!("{}.html", one.figure.id),
+        _ => "figures.html".to_owned(),
+    }
 }
 
 /// Figures with their claims, a few lines each.
@@ -172,6 +188,9 @@ fn told(exhibits: &[Exhibit<'_>]) -> String {
             let printed = if printed.is_empty() { printed } else { format!(": {printed}") };
             text += &format!("  {} {}{printed}; {}", claim.id, claim.says, row.outcome.verdict);
             text += &if row.got().is_empty() { "\n".to_owned() } else { format!(", {}\n", row.got()) };
+            if !claim.why.is_empty() {
+                text += &format!("      {}\n", claim.why);
+            }
         }
         text + "\n"
     };
@@ -190,7 +209,7 @@ fn document(exhibits: &[Exhibit<'_>], examined: &[Examined], files: &[PathBuf]) 
             "reading": drawn.reading,
             "picture": exhibit.picture(),
             "commands": drawn.commands,
-            "table": drawn.table.as_ref().map(|table| json!({"head": table.head, "rows": table.rows})),
+            "table": drawn.table.as_ref().map(|table| json!({"reason": table.reason, "head": table.head, "rows": table.rows})),
             "patches": drawn.patches.iter().map(|patch| patch.file()).collect::<Value>(),
             "claims": exhibit.claims.iter().map(|row| row.claim.id.as_str()).collect::<Value>(),
         })

@@ -95,13 +95,6 @@ pub(super) fn of_memory(ceased: &[Ceased], memory: f64) -> impl Iterator<Item = 
     ceased.iter().filter(move |ceased| ceased.memory == memory)
 }
 
-/// The top of the curve of one time constant: the highest critical velocity of those at which solid friction still falls.
-pub(super) fn top(ceased: &[Ceased], memory: f64) -> Option<Ceased> {
-    let falling = of_memory(ceased, memory).filter(|ceased| ceased.slope().is_some());
-    let height = |ceased: &Ceased| ceased.velocity.unwrap_or(0.0);
-    falling.copied().max_by(|one, other| height(one).total_cmp(&height(other)))
-}
-
 /// Slopes in N s/mm, by time constant in s or stiffness in N/mm, with the law that fits them.
 pub(super) type Slopes = (Vec<(f64, f64)>, PowerLaw);
 
@@ -111,21 +104,48 @@ fn slopes(ceased: impl Iterator<Item = Ceased>) -> Result<Slopes, Problem> {
     Ok((points, law))
 }
 
-/// The tops of the sweep's curves.
-pub(super) fn tops() -> Result<Vec<Ceased>, Problem> {
-    let ceased = sweep()?;
-    Ok(MEMORIES.iter().filter_map(|memory| top(ceased, *memory)).collect())
+/// Time constants in s with the VcL in m/s of the top of their curves, the highest of their critical velocities. Tops are flat: what lies
+/// within 1 % of the highest is the top, and its middle is taken. Made once.
+pub(super) fn tops() -> Result<&'static [(f64, f64)], Problem> {
+    static TOPS: LazyLock<Result<Vec<(f64, f64)>, String>> = LazyLock::new(|| {
+        let found = MEMORIES.iter().map(|memory| Ok((*memory, middle_of_top(*memory)?)));
+        found.collect::<Result<_, Problem>>().map_err(|problem| problem.to_string())
+    });
+    TOPS.as_deref().map_err(|problem| problem.clone().into())
 }
 
-/// Slopes at the tops.
+/// Near the highest of the sweep the curve is run through so many values of VcL.
+const AROUND_TOP: usize = 40;
+
+fn middle_of_top(memory: f64) -> Result<f64, Problem> {
+    let height =
+        |ceased: &&Ceased| if ceased.slope().is_some() { ceased.velocity.unwrap_or(0.0) } else { 0.0 };
+    let highest = |ceased: &[Ceased]| ceased.iter().map(|ceased| height(&ceased)).fold(0.0, f64::max);
+    let coarse: Vec<_> = of_memory(sweep()?, memory).copied().collect();
+    let peak = coarse.iter().find(|ceased| height(ceased) == highest(&coarse)).ok_or("no curve has a top")?;
+    let step = coarse[0].limit;
+    let around =
+        (1..=AROUND_TOP).map(|count| peak.limit + step * (2.0 * count as f64 / AROUND_TOP as f64 - 1.0));
+    let settings: Vec<_> = around.map(|limit| (memory, limit.max(1e-3))).collect();
+    let fine = ramps(&settings, RATE, &[Criterion::USUAL.threshold])?.remove(0);
+    let top: Vec<_> = fine.iter().filter(|ceased| height(ceased) >= 0.99 * highest(&fine)).collect();
+    Ok(top.iter().map(|ceased| ceased.limit).sum::<f64>() / top.len() as f64)
+}
+
+/// Critical velocities in m/s at the tops, by ramps at the study's rate.
+pub(super) fn highest() -> Result<Vec<f64>, Problem> {
+    let read = ramps(tops()?, RATE, &[Criterion::USUAL.threshold])?.remove(0);
+    read.into_iter().map(|ceased| Ok(ceased.velocity?)).collect()
+}
+
+/// Slopes at the tops, by ramps at the study's rate and the usual threshold.
 pub(super) fn slopes_at_tops() -> Result<Slopes, Problem> {
-    slopes(tops()?.into_iter())
+    Ok(slopes_at_rate(RATE, &[Criterion::USUAL.threshold])?.remove(0))
 }
 
 /// Slopes where ramps at another rate end oscillation, at the VcL of the tops, for each of some thresholds in m/s.
 pub(super) fn slopes_at_rate(rate: f64, thresholds: &[f64]) -> Result<Vec<Slopes>, Problem> {
-    let settings: Vec<_> = tops()?.iter().map(|top| (top.memory, top.limit)).collect();
-    ramps(&settings, rate, thresholds)?.into_iter().map(|ceased| slopes(ceased.into_iter())).collect()
+    ramps(tops()?, rate, thresholds)?.into_iter().map(|ceased| slopes(ceased.into_iter())).collect()
 }
 
 /// VcL in m/s and Tc in s of the study's tests with other stiffnesses (Fig 8.35).

@@ -25,8 +25,24 @@ pub(super) struct Under {
     pub threshold: f64,
 }
 
-/// A number, or in a word why there is none.
-pub(super) type Number = Result<f64, &'static str>;
+/// A number, or none: the table is quiet, or oscillation goes on where the command turns.
+pub(super) type Number = Result<f64, Without>;
+
+/// Why there is no number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Without {
+    Quiet,
+    GoesOn,
+}
+
+impl Without {
+    fn word(self) -> &'static str {
+        match self {
+            Without::Quiet => "quiet",
+            Without::GoesOn => "goes on",
+        }
+    }
+}
 
 /// What is read under some conditions in one case, while the command rises and while it falls.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,16 +89,23 @@ impl Conditions {
     }
 
     /// The readings as a table: a row for each case, rate and noise, a column for each direction and threshold.
-    pub fn table(&self, case: &str, quantity: &str, readings: &[Reading], decimals: usize) -> Table {
+    pub fn table(
+        &self,
+        reason: &'static str,
+        (case, quantity): (&str, &str),
+        readings: &[Reading],
+        decimals: usize,
+    ) -> Table {
         let column = |way: &str| {
             let name = |threshold: &f64| format!("{quantity}, {way}, above {} mm/s", threshold / MM_PER_S);
             self.thresholds.iter().map(name).collect::<Vec<_>>()
         };
         let columns = [column("rising"), column("falling")].concat();
         let first = [case, "rate, mm/s2", "noise, mm/s rms"];
-        let mut table = Table::new(first.into_iter().chain(columns.iter().map(String::as_str)));
-        let told =
-            |number: Number| number.map_or_else(str::to_owned, |number| format!("{number:.decimals$}"));
+        let mut table = Table::new(reason, first.into_iter().chain(columns.iter().map(String::as_str)));
+        let told = |number: Number| {
+            number.map_or_else(|none| none.word().to_owned(), |number| format!("{number:.decimals$}"))
+        };
         for row in readings.chunks(self.thresholds.len()) {
             let Under { rate, noise, .. } = row[0].under;
             let in_mm = |value: f64| ((value / MM_PER_S * 1e6).round() / 1e6).to_string();
@@ -95,20 +118,25 @@ impl Conditions {
     }
 }
 
-/// A critical velocity in m/s, or in a word why there is none.
-pub(super) fn short(velocity: Result<f64, NoCriticalVelocity>) -> Number {
-    velocity.map_err(|none| match none {
-        NoCriticalVelocity::NotEnded(_) | NoCriticalVelocity::NotBegun => "goes on",
-        NoCriticalVelocity::Quiet => "quiet",
-        _ => "none",
+/// A critical velocity in m/s, or why there is none.
+///
+/// # Errors
+/// Where the run is no profile at all.
+pub(super) fn short(velocity: Result<f64, NoCriticalVelocity>) -> Result<Number, Problem> {
+    Ok(match velocity {
+        Ok(velocity) => Ok(velocity),
+        Err(NoCriticalVelocity::NotEnded(_) | NoCriticalVelocity::NotBegun) => Err(Without::GoesOn),
+        Err(NoCriticalVelocity::Quiet) => Err(Without::Quiet),
+        Err(error) => return Err(error.into()),
     })
 }
 
 /// One thing in which readings may differ, the case or a condition.
 type Alike = fn(&Reading, &Reading) -> bool;
 
-const MOVERS: [(&str, Alike); 4] = [
-    ("", |one, other| one.under == other.under),
+const IN_CASE: Alike = |one, other| one.under == other.under;
+
+const CONDITIONS: [(&str, Alike); 3] = [
     ("the rate", |one, other| {
         without(one, |under| under.rate = 0.0) == without(other, |under| under.rate = 0.0)
     }),
@@ -127,28 +155,29 @@ fn without(reading: &Reading, forget: fn(&mut Under)) -> (&str, Under) {
     (&reading.case, under)
 }
 
-/// How far apart the numbers of readings lie at most that are alike but for one thing.
-fn moved(readings: &[Reading], number: fn(&Reading) -> Number, alike: Alike) -> f64 {
-    let mut most = 0.0_f64;
+/// How far apart the numbers of readings lie at most that are alike but for one thing; none where there are no two to compare.
+fn moved(readings: &[Reading], number: fn(&Reading) -> Number, alike: Alike) -> Option<f64> {
+    let mut most: Option<f64> = None;
     for (index, one) in readings.iter().enumerate() {
         for other in readings[index + 1..].iter().filter(|other| alike(one, other)) {
             if let (Ok(one), Ok(other)) = (number(one), number(other)) {
-                most = most.max((one - other).abs());
+                most = Some(most.unwrap_or(0.0).max((one - other).abs()));
             }
         }
     }
     most
 }
 
-/// "rising, by up to 0.91 with VcL, 0.31 with the rate, 0.05 with the threshold, 0.02 with noise", and the same of falling commands.
-/// `case` is what cases differ in, empty where there is but one.
-pub(super) fn moved_told(readings: &[Reading], decimals: usize, case: &str) -> String {
+/// "rising, by up to 0.91 with VcL, 0.31 with the rate, 0.05 with the threshold, 0.02 with noise", and the same of falling commands; what
+/// cannot be compared is left out. `case` is what cases differ in, if there are several.
+pub(super) fn moved_told(readings: &[Reading], decimals: usize, case: Option<&str>) -> String {
     let told = [RISING, FALLING].map(|(way, number)| {
-        let with = MOVERS.iter().map(|(name, alike)| (if name.is_empty() { case } else { name }, alike));
-        let with = with.filter(|(name, _)| !name.is_empty());
-        let with =
-            with.map(|(name, alike)| format!("{:.decimals$} with {name}", moved(readings, number, *alike)));
-        format!("{way}, by up to {}", with.collect::<Vec<_>>().join(", "))
+        let cases = case.into_iter().map(|case| (case, IN_CASE));
+        let with = cases.chain(CONDITIONS).filter_map(|(name, alike)| {
+            Some(format!("{:.decimals$} with {name}", moved(readings, number, alike)?))
+        });
+        let with = with.collect::<Vec<_>>().join(", ");
+        if with.is_empty() { format!("{way}, none to compare") } else { format!("{way}, by up to {with}") }
     });
     told.join("; ")
 }
@@ -165,7 +194,7 @@ mod tests {
             for &threshold in GRID.thresholds {
                 let under = Under { rate, noise: 0.0, threshold };
                 let rising = Ok(rate * 1e3 + threshold * 1e3);
-                found.push(Reading { case: "one".to_owned(), under, rising, falling: Err("quiet") });
+                found.push(Reading { case: "one".to_owned(), under, rising, falling: Err(Without::Quiet) });
             }
         }
         found
@@ -174,7 +203,7 @@ mod tests {
     #[test]
     fn what_moves_is_told_by_condition() {
         assert_eq!(
-            moved_told(&readings(), 2, ""),
+            moved_told(&readings(), 2, None),
             "rising, by up to 1.00 with the rate, 0.10 with the threshold, 0.00 with noise; falling, by up to 0.00 with the rate, 0.00 \
              with the threshold, 0.00 with noise"
         );
@@ -182,7 +211,7 @@ mod tests {
 
     #[test]
     fn tables_have_a_column_a_direction_and_threshold() {
-        let table = GRID.table("case", "Vc", &readings(), 1);
+        let table = GRID.table("", ("case", "Vc"), &readings(), 1);
         assert_eq!(
             table.head[3..],
             [

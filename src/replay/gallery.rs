@@ -1,6 +1,7 @@
 //! The page that shows figures beside their claims: one HTML file, with the pictures beside it.
 
 use super::claim::Verdict;
+use super::differences::READ_WITH;
 use super::examined::Examined;
 use super::figures::{Drawn, Figure};
 use super::page::cells_of_tables;
@@ -44,9 +45,9 @@ pub fn gallery(exhibits: &[Exhibit<'_>], claims: &[Examined]) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>The study, replayed</title>\n\
          <style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>The study, replayed</h1>\n\
-         <p>{} figures of the study, drawn again from patches that were run and from its theory, each beside what the text \
-         claims of it and what we get. A patch named under a picture lies beside this page: <code>patchcord run</code> makes \
-         the same run.</p>\n{tally}</header>\n{contents}<main>\n{sections}{}</main>\n</body>\n</html>\n",
+         <p>Figures of the study, drawn again from patches that were run and from its theory, each beside what the text \
+         claims of it and what we get: {} of them. A patch named under a picture lies beside this page, with the command that \
+         makes the same run.</p>\n{tally}</header>\n{contents}<main>\n{sections}{}</main>\n</body>\n</html>\n",
         exhibits.len(),
         others(&rest),
     )
@@ -91,7 +92,7 @@ fn section(exhibit: &Exhibit<'_>) -> String {
     )
 }
 
-/// The numbers behind a figure, folded up.
+/// Why a figure is as it is, and the numbers behind it, folded up.
 fn numbers(table: &Table) -> String {
     let line = |cells: &[String], tag: &str| {
         let cells: String = cells.iter().map(|cell| format!("<{tag}>{}", escaped(cell))).collect();
@@ -99,8 +100,10 @@ fn numbers(table: &Table) -> String {
     };
     let rows: String = table.rows.iter().map(|row| line(row, "td")).collect();
     format!(
-        "<details><summary>{} rows of numbers</summary><table>\n{}{rows}</table></details>\n",
+        "<p>{}</p>\n<details><summary>{} rows of numbers</summary><p>{}</p>\n<table>\n{}{rows}</table></details>\n",
+        escaped(table.reason),
         table.rows.len(),
+        escaped(READ_WITH),
         line(&table.head, "th")
     )
 }

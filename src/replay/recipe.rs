@@ -202,6 +202,12 @@ impl Recipe {
     }
 }
 
+/// How far apart a signal of two runs gets at most, in its unit.
+pub(super) fn apart([one, other]: [Recipe; 2], signal: &str) -> Result<f64, Problem> {
+    let [one, other] = [one, other].map(|recipe| recipe.run("one", "")?.values(signal));
+    Ok(one?.iter().zip(&other?).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max))
+}
+
 /// A program with other values of some parameters.
 fn turned(program: &Program, vary: &[&str], values: &[f64]) -> Result<Program, Problem> {
     let mut program = program.clone();
@@ -233,6 +239,14 @@ impl Replayed {
         let specs = &self.patch().pictures;
         let drawn = specs.iter().map(|spec| picture(&self.trace, spec, Some(self.settings())));
         Ok(drawn.collect::<Result<_, _>>()?)
+    }
+}
+
+impl Replayed {
+    /// It, where no amplifier was overloaded.
+    pub fn within_range(self) -> Result<Replayed, Problem> {
+        self.check_range()?;
+        Ok(self)
     }
 }
 
@@ -280,7 +294,7 @@ impl Record {
 
     /// The same by another criterion.
     pub fn critical_by(&self, criterion: Criterion) -> Result<CriticalVelocity, Problem> {
-        self.within_range()?;
+        self.check_range()?;
         let (command, velocity) = (self.values("v_i")?, self.values("v_o")?);
         Ok(critical_velocity(&self.trace.time, &command, &velocity, criterion))
     }
@@ -290,7 +304,7 @@ impl Record {
     /// # Errors
     /// Where it reads none, with the reason, and where an amplifier was overloaded.
     pub fn measure(&self, text: &str) -> Result<f64, Problem> {
-        self.within_range()?;
+        self.check_range()?;
         let cells = Measure::parse(text, &self.signals)?.read(&self.trace);
         match cells.into_iter().next() {
             Some(Ok(Cell::Number(number))) => Ok(number),
@@ -300,7 +314,7 @@ impl Record {
     }
 
     /// An overloaded amplifier stands for nothing: no number is read off such a run.
-    fn within_range(&self) -> Result<(), Problem> {
+    fn check_range(&self) -> Result<(), Problem> {
         self.overloads().map_or(Ok(()), |overload| Err(overload.into()))
     }
 

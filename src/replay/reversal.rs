@@ -11,37 +11,54 @@ use crate::slideway::stability::DrivenTable;
 const HIGHEST: [f64; 3] = [6e-3, 12e-3, 24e-3];
 
 /// What many settings gave.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Tally {
     /// Settings in all.
     pub settings: usize,
-    /// Those that oscillate, slide steadily, and oscillate again as the command falls.
+    /// Those that oscillate as the command falls, from steady sliding.
     pub comparable: usize,
     /// Those of them at which oscillation begins at the higher command.
     pub reversed: usize,
+    /// Of those the one at which it begins at the highest command beside that at which it ended: settings, and both commands in m/s.
+    pub clearest: Option<(Vec<f64>, f64, f64)>,
     /// Those that still oscillate where the command turns back.
     pub not_ended: usize,
-    /// Those that never oscillate as the command rises, or not again as it falls.
+    /// Those that do not.
     pub quiet: usize,
 }
 
 impl Tally {
-    fn count(mut self, critical: &CriticalVelocity) -> Tally {
+    /// One more setting, at which oscillation ended while the command rose, or never was.
+    fn count(mut self, setting: &[f64], critical: &CriticalVelocity) -> Result<Tally, NoCriticalVelocity> {
+        use NoCriticalVelocity::{NotBegun, Quiet};
+
         self.settings += 1;
         match (critical.rising, critical.falling) {
             (Ok(rising), Ok(falling)) => {
                 self.comparable += 1;
                 self.reversed += usize::from(falling >= rising);
+                let clearer = self
+                    .clearest
+                    .as_ref()
+                    .is_none_or(|(_, rising, falling)| falling / rising < ratio(critical));
+                if falling >= rising && clearer {
+                    self.clearest = Some((setting.to_vec(), rising, falling));
+                }
             }
             // What never oscillated while the command rose, and does as it falls, is the clearest exception.
-            (Err(_), Ok(_)) => {
+            (Err(Quiet), Ok(_)) => {
                 self.comparable += 1;
                 self.reversed += 1;
             }
-            (_, Err(_)) => self.quiet += 1,
+            (Ok(_) | Err(Quiet), Err(Quiet | NotBegun)) => self.quiet += 1,
+            (Err(error), _) | (_, Err(error)) => return Err(error),
         }
-        self
+        Ok(self)
     }
+}
+
+fn ratio(critical: &CriticalVelocity) -> f64 {
+    critical.falling.unwrap_or(0.0) / critical.rising.unwrap_or(f64::INFINITY)
 }
 
 /// What so many settings of the final circuit give with noise of this size on the command, rms in m/s.
@@ -52,15 +69,14 @@ pub(super) fn tally(settings: u64, noise: f64) -> Result<Tally, Problem> {
     for highest in HIGHEST {
         let recipe = circuit.clone().there_and_back(highest, RATE);
         let critical = recipe.each(&["K", "f", "Tc", "Fs", "M", "VcL"], &left, Record::critical)?;
-        let ended =
-            |critical: &CriticalVelocity| !matches!(critical.rising, Err(NoCriticalVelocity::NotEnded(_)));
-        tally = critical.iter().filter(|critical| ended(critical)).fold(tally, Tally::count);
-        left = left
-            .into_iter()
-            .zip(&critical)
-            .filter(|(_, critical)| !ended(critical))
-            .map(|(row, _)| row)
-            .collect();
+        let mut goes_on = Vec::new();
+        for (setting, critical) in left.into_iter().zip(&critical) {
+            match critical.rising {
+                Err(NoCriticalVelocity::NotEnded(_)) => goes_on.push(setting),
+                _ => tally = tally.count(&setting, critical)?,
+            }
+        }
+        left = goes_on;
     }
     Ok(Tally { settings: tally.settings + left.len(), not_ended: left.len(), ..tally })
 }
@@ -107,7 +123,18 @@ mod tests {
         let tally = read
             .into_iter()
             .map(|(rising, falling)| CriticalVelocity { rising, falling })
-            .fold(Tally::default(), |tally, critical| tally.count(&critical));
-        assert_eq!(tally, Tally { settings: 4, comparable: 3, reversed: 2, not_ended: 0, quiet: 1 });
+            .try_fold(Tally::default(), |tally, critical| tally.count(&[], &critical))
+            .unwrap();
+        assert_eq!(
+            tally,
+            Tally {
+                settings: 4,
+                comparable: 3,
+                reversed: 2,
+                clearest: Some((vec![], 1.0, 2.0)),
+                not_ended: 0,
+                quiet: 1
+            }
+        );
     }
 }

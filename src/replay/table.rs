@@ -3,6 +3,8 @@
 /// A table: what its columns hold, and its rows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Table {
+    /// Why the numbers are what they are, in a few sentences.
+    pub reason: &'static str,
     /// What the columns hold, with their units.
     pub head: Vec<String>,
     /// The rows, a text for each column.
@@ -11,8 +13,8 @@ pub struct Table {
 
 impl Table {
     /// A table without rows.
-    pub fn new<'a>(head: impl IntoIterator<Item = &'a str>) -> Table {
-        Table { head: head.into_iter().map(str::to_owned).collect(), rows: Vec::new() }
+    pub fn new<'a>(reason: &'static str, head: impl IntoIterator<Item = &'a str>) -> Table {
+        Table { reason, head: head.into_iter().map(str::to_owned).collect(), rows: Vec::new() }
     }
 
     /// As Markdown has it.
@@ -29,7 +31,7 @@ mod tests {
 
     #[test]
     fn markdown_has_a_line_a_row() {
-        let mut table = Table::new(["a", "b"]);
+        let mut table = Table::new("", ["a", "b"]);
         table.rows.push(vec!["1".to_owned(), "2".to_owned()]);
         assert_eq!(table.markdown(), "| a | b |\n|---|---|\n| 1 | 2 |\n");
     }

@@ -28,7 +28,7 @@ fn a_figure_comes_with_its_picture_its_patch_and_a_page() {
     assert!(out(&told).contains("oscillation ends at 7.924 mm/s"), "{}", out(&told));
     let written = |name: &str| fs::read_to_string(path(&folder, &format!("out/{name}"))).unwrap();
     assert!(roxmltree::Document::parse(&written("fig-8-24.svg")).is_ok());
-    let page = written("index.html");
+    let page = written("fig-8-24.html");
     for part in ["src=\"fig-8-24.svg\"", "href=\"fig-8-24.json\"", "8-122.a", "Fig 8.24: "] {
         assert!(page.contains(part), "{part}");
     }
@@ -48,9 +48,30 @@ fn no_file_is_written_twice() {
     assert_eq!(fs::read_dir(&into).unwrap().count(), 0);
     let beside = patchcord(&["replay", "fig-4-10", "--out", &into, "--plot", &path(&folder, "out/b.png")]);
     assert_eq!(code(&beside), 0, "{}", errors(&beside));
-    let names = ["b.png", "fig-4-10.svg", "index.html"]
+    let names = ["b.png", "fig-4-10.svg", "fig-4-10.html"]
         .map(|name| fs::metadata(path(&folder, &format!("out/{name}"))));
     assert!(names.iter().all(Result::is_ok));
+}
+
+#[test]
+fn what_a_figure_names_can_be_typed() {
+    let folder = tempfile::tempdir().unwrap();
+    let into = path(&folder, "out");
+    let replayed = patchcord(&["replay", "8.14", "Fig 4.8", "fig-8-26", "--out", &into, "--json"]);
+    assert!(fs::exists(path(&folder, "out/figures.html")).unwrap());
+    let document = json(&replayed);
+    let figures = document["figures"].as_array().unwrap();
+    assert_eq!(figures.len(), 3);
+    for command in figures.iter().flat_map(|figure| figure["commands"].as_array().unwrap()) {
+        let words = command.as_str().unwrap().split(' ').skip(1);
+        let in_folder = |word: &str| match word.starts_with("fig-") {
+            true => path(&folder, &format!("out/{word}")),
+            false => word.to_owned(),
+        };
+        let words: Vec<_> = words.map(in_folder).collect();
+        let typed = patchcord(&words.iter().map(String::as_str).collect::<Vec<_>>());
+        assert_eq!(code(&typed), 0, "{command}: {}", errors(&typed));
+    }
 }
 
 #[test]
@@ -59,7 +80,7 @@ fn the_document_holds_figures_and_claims() {
     let figure = &document["figures"][0];
     assert_eq!((&figure["id"], &figure["number"]), (&"fig-8-34".into(), &"Fig 8.34".into()));
     let claims = document["claims"].as_array().unwrap();
-    let caption = claims.iter().find(|claim| claim["id"] == "8-152.c").unwrap();
+    let caption = claims.iter().find(|claim| claim["id"] == "8-152.e").unwrap();
     for key in ["where", "says", "got", "difference", "verdict", "why"] {
         assert!(caption[key].is_string(), "{key}");
     }

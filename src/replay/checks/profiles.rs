@@ -29,6 +29,9 @@ pub(super) const CHECKS: &[Check] = &[
 /// The command goes up to 40 V (8.2), in m/s.
 pub(super) const HIGHEST: f64 = 10.16e-3;
 
+/// The velocity of 100 V, in m/s.
+const END_OF_SCALES: f64 = 25.4e-3;
+
 /// The circuits that may be named.
 const CIRCUITS: [(&str, &str); 4] = [
     ("fig-8-11", "fig-8-11"),
@@ -49,7 +52,9 @@ pub(super) fn recipe(given: &Given) -> Result<Recipe, CheckError> {
             recipe = recipe.set(name, given.number(name)?);
         }
     }
-    Ok(recipe)
+    // At VcL the table would stand at the end of the study's scales.
+    let is_beyond = given.number_or("VcL", 0.0)? > END_OF_SCALES;
+    Ok(if is_beyond { recipe.scaled(2.0) } else { recipe })
 }
 
 /// A profile up to a command and back.
@@ -100,10 +105,24 @@ fn rising_above_falling(given: &Given) -> Result<Finding, CheckError> {
 /// Whether no settings out of many make the falling critical velocity the higher one, with noise of so many m/s on the command.
 fn never_reversed(given: &Given) -> Result<Finding, CheckError> {
     let tally = reversal::tally(given.number("settings")? as u64, given.number("noise")?)?;
-    let Tally { settings, comparable, reversed, not_ended, quiet } = tally;
+    let Tally { settings, comparable, reversed, clearest, not_ended, quiet } = tally;
+    let clearest = clearest.map(|(setting, rising, falling)| {
+        let [stiffness, damping, memory, friction, mass, limit] = setting[..] else { return String::new() };
+        format!(
+            "; the clearest, K {:.1} kN/mm, f {:.1} N s/mm, Tc {:.1} ms, Fs {friction:.0} N, M {mass:.0} kg, VcL {:.2} mm/s, ends at {:.2} and \
+             begins at {:.2} mm/s",
+            stiffness / 1e6,
+            damping / 1e3,
+            memory * 1e3,
+            limit / MM_PER_S,
+            rising / MM_PER_S,
+            falling / MM_PER_S
+        )
+    });
     let found = format!(
         "{reversed} of {comparable} that oscillate again as the command falls; {not_ended} still oscillate where it turns, {quiet} not \
-         again, of {settings} settings"
+         again, of {settings} settings{}",
+        clearest.unwrap_or_default()
     );
     Ok(Finding::truth(reversed == 0 && comparable > 0, found))
 }
@@ -159,7 +178,7 @@ fn first_jump(given: &Given) -> Result<Finding, CheckError> {
     let forces = given.numbers("forces")?;
     let jumps = forces.iter().map(|force| jump(*force)).collect::<Result<Vec<_>, _>>()?;
     let told: Vec<_> = jumps.iter().map(|jump| format!("{jump:.2}")).collect();
-    let holds = jumps.windows(2).all(|pair| pair[1] > pair[0]);
+    let holds = jumps.len() > 1 && jumps.windows(2).all(|pair| pair[1] > pair[0]);
     Ok(Finding::shape(holds, format!("{} mm/s", told.join(", "))))
 }
 

@@ -12,7 +12,7 @@ use super::profiles::{HIGHEST, recipe};
 use super::recordings::{OSCILLATES, hertz, range, steady};
 use super::shipped::setting;
 use super::{Check, CheckError};
-use crate::instruments::{Criterion, CyclesError, NoCriticalVelocity, critical_velocity, cycles};
+use crate::instruments::{Absent, Criterion, CyclesError, ProfileCriterion, Way, cycles, velocity_profile};
 use crate::slideway::design::{Design, Interface, limit_velocity};
 use crate::slideway::falling::{FallingFriction, SIMULATED_STATIC, stable_limit};
 use crate::slideway::simulated::{OilLaw, SLOPE_BY_MEMORY};
@@ -40,7 +40,7 @@ pub(super) const CHECKS: &[Check] = &[
 /// A run in which the command rises steadily from rest.
 fn ramp(recipe: Recipe, rate: f64, highest: f64) -> Result<Replayed, CheckError> {
     let recipe = recipe.set("v_rate", rate).lasting(highest / rate).recording(&["v_i", "v_o"]);
-    Ok(recipe.run("ramp", "")?)
+    Ok(recipe.run("ramp", "")?.within_range()?)
 }
 
 /// The largest swing in a ramp, peak to peak in mm/s; 0 where there is no whole cycle.
@@ -53,13 +53,14 @@ fn largest_swing(run: &Replayed) -> Result<f64, CheckError> {
     }
 }
 
-/// The command in m/s at which oscillation ends while it rises; nothing where there is none.
+/// The command in m/s at which oscillation ends while it rises; nothing where there is none but the ringing as it breaks away.
 fn ceases(run: &Replayed) -> Result<Option<f64>, CheckError> {
-    match critical_velocity(&run.trace.time, &run.values("v_i")?, &run.values("v_o")?, Criterion::USUAL)
-        .rising
-    {
-        Ok(velocity) => Ok(Some(velocity)),
-        Err(NoCriticalVelocity::Quiet) => Ok(None),
+    let criterion = ProfileCriterion::usual(Criterion::USUAL);
+    let (time, command, velocity) = (&run.trace.time, run.values("v_i")?, run.values("v_o")?);
+    let profile = velocity_profile(time, &command, &velocity, criterion, Way::Rising);
+    match profile.map_err(|error| CheckError::Run(error.to_string()))?.points[4] {
+        Ok(end) => Ok(Some(end.command)),
+        Err(Absent::Quiet | Absent::RingsOnly) => Ok(None),
         Err(error) => Err(CheckError::Run(error.to_string())),
     }
 }
@@ -122,8 +123,7 @@ fn slower_ramps_move_less(given: &Given) -> Result<Finding, CheckError> {
     let at = |rate: &f64| Ok(ceases_somewhere(&ramp(recipe(given)?, *rate, HIGHEST)?)? / MM_PER_S);
     let velocities = given.numbers("rates")?.iter().map(at).collect::<Result<Vec<f64>, CheckError>>()?;
     let changes: Vec<_> = velocities.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let holds = changes.first().is_some_and(|change| *change > 0.0)
-        && changes.windows(2).all(|pair| pair[1] > pair[0]);
+    let holds = changes.len() > 1 && changes[0] > 0.0 && changes.windows(2).all(|pair| pair[1] > pair[0]);
     Ok(Finding::shape(holds, format!("{}, by {}", told(&velocities, "mm/s"), told(&changes, "mm/s"))))
 }
 
@@ -161,6 +161,9 @@ fn swing_within(run: &Replayed, from: f64, till: f64) -> Result<f64, CheckError>
         let least = part.iter().copied().fold(f64::INFINITY, f64::min);
         part.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
     };
+    if first + window > last {
+        return Err(CheckError::Run(format!("from {from} to {till} s is less than a window")));
+    }
     Ok(off[first..last].windows(window).map(swing).fold(0.0, f64::max))
 }
 
@@ -258,9 +261,13 @@ fn printed_boundary_divides(given: &Given) -> Result<Finding, CheckError> {
 /// Whether the table of 450 kgf swings less, and ceases to at a lower command, from each oil to the next: `eta` in P, and
 /// KLP in kgf/mm2.
 fn oils_quieten(given: &Given) -> Result<Finding, CheckError> {
-    let (stiffness, strengths) = (given.number("K")?, given.numbers("KLP")?);
+    let (stiffness, viscosities, strengths) =
+        (given.number("K")?, given.numbers("eta")?, given.numbers("KLP")?);
+    if viscosities.len() != strengths.len() {
+        return Err(CheckError::Run("each eta wants its KLP".to_owned()));
+    }
     let (mut swings, mut ends) = (Vec::new(), Vec::new());
-    for (viscosity, polar) in given.numbers("eta")?.into_iter().zip(strengths) {
+    for (viscosity, polar) in viscosities.into_iter().zip(strengths) {
         let run =
             ramp(with_oil(viscosity * POISE, polar * KGF_PER_MM2, stiffness)?, RATE, given.number("to")?)?;
         swings.push(largest_swing(&run)?);

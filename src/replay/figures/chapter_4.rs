@@ -37,7 +37,7 @@ pub(super) const FIGURES: &[Figure] = &[
         id: "fig-4-09",
         place: "4.6, eq 6-4, 7-4",
         title: "mass, spring and friction",
-        claims: &[],
+        claims: &["4-114", "4-115"],
         draw: model,
     },
     Figure {

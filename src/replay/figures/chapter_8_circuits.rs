@@ -3,7 +3,7 @@
 use super::{Drawn, Figure, Graph, Recipe, Sheet, titled, told};
 use crate::circuit::Circuit;
 use crate::instruments::parameter_line;
-use crate::replay::recipe::{Problem, Replayed, velocity_told};
+use crate::replay::recipe::{Problem, Replayed, apart, velocity_told};
 use crate::schematic::Schematic;
 use crate::slideway::falling::SIMULATED_STATIC;
 use crate::slideway::stability::SIMULATED_DAMPING;
@@ -114,7 +114,7 @@ fn circuit(figure: &Figure, name: &'static str) -> Result<Drawn, Problem> {
         settings: circuit.patch().source.clone(),
         reading: inventory(&circuit),
         patches: vec![circuit.patch().clone()],
-        commands: vec![format!("patchcord draw {}", circuit.patch().file())],
+        commands: vec![format!("patchcord draw {} --plot {}.svg", circuit.patch().file(), figure.id)],
         table: None,
     })
 }
@@ -131,10 +131,7 @@ fn inventory(circuit: &Circuit) -> String {
 
 fn blocks(figure: &Figure) -> Result<Drawn, Problem> {
     let drawn = circuit(figure, "fig-8-17")?;
-    let [blocks, amplifiers] =
-        [Recipe::of("fig-8-17"), Recipe::of("fig-8-16")].map(|recipe| recipe.run("", ""));
-    let (blocks, amplifiers) = (blocks?.values("v_o")?, amplifiers?.values("v_o")?);
-    let apart = blocks.iter().zip(&amplifiers).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+    let apart = apart(["fig-8-17", "fig-8-16"].map(Recipe::of), "v_o")?;
     let reading = format!("its velocity is never further than {apart:.1e} m/s from that of Fig 8.16");
     Ok(Drawn { reading, ..drawn })
 }
@@ -162,7 +159,7 @@ const THREE_LIMITS: [f64; 3] = [1.27e-3, 2.54e-3, 3.81e-3];
 /// A run of the straight-line circuit in which velocity passes through the whole of the characteristic.
 fn straight(figure: &Figure, limit: f64, which: &str) -> Result<Replayed, Problem> {
     let recipe = Recipe::of("fig-8-11").set("VcL", limit).set("v_rate", 6e-3).lasting(1.2).every(2e-4);
-    figure.run(&recipe, which)
+    figure.run(&recipe.picture(&figure.heading(), "v_o", &["friction_level"]), which)
 }
 
 fn level(figure: &Figure) -> Result<Drawn, Problem> {

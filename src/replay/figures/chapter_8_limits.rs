@@ -3,7 +3,7 @@
 use super::graph::{by_ratio, evenly};
 use super::{Drawn, Figure, Graph, Sweep, listed, told};
 use crate::replay::boundary::{self, MEMORIES, RATE, of_memory};
-use crate::replay::recipe::{Problem, velocity_told};
+use crate::replay::recipe::Problem;
 use crate::slideway::SlidewayError;
 use crate::slideway::falling::FallingFriction;
 use crate::slideway::simulated::SLOPE_BY_MEMORY;
@@ -64,13 +64,12 @@ fn by_limit(figure: &Figure) -> Result<Drawn, Problem> {
         printed = printed.line(&name, law.collect());
     }
     let (_, law) = boundary::slopes_at_tops()?;
-    let tops = boundary::tops()?;
-    let (first, last) = (tops[0], tops[tops.len() - 1]);
+    let (tops, highest) = (boundary::tops()?, boundary::highest()?);
     let reading = format!(
         "the highest is {} at 6 ms, at VcL = {}, and {} at 25 ms; slopes at the tops go with {:.2e} Tc^{:.2} N s/mm",
-        velocity_told(first.velocity),
-        told(first.limit, "m/s"),
-        velocity_told(last.velocity),
+        told(highest[0], "m/s"),
+        told(tops[0].1, "m/s"),
+        told(highest[highest.len() - 1], "m/s"),
         law.factor,
         law.exponent,
     );

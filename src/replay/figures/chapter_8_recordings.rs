@@ -4,7 +4,7 @@
 //! chosen here, within the ranges of 8.4, so that what the text says of a recording can be seen.
 
 use super::graph::evenly;
-use super::{Drawn, Figure, Graph, Recipe, titled, told};
+use super::{Drawn, Figure, Graph, Recipe, listed, titled, told};
 use crate::instruments::{Criterion, FrictionLoop, cycles, friction_loop};
 use crate::plot::{Channel, Picture};
 use crate::replay::boundary::RATE;
@@ -76,7 +76,7 @@ pub(super) const FIGURES: &[Figure] = &[
         id: "fig-8-27",
         place: "8.4",
         title: "profiles for a rising and a falling command",
-        claims: &["8-125", "8-126.a", "8-126.b", "8-126.c"],
+        claims: &["8-125", "8-125.b", "8-125.c", "8-126.a", "8-126.b", "8-126.c"],
         draw: there_and_back,
     },
     Figure {
@@ -122,7 +122,8 @@ fn characteristic(figure: &Figure) -> Result<Drawn, Problem> {
     let (mut runs, mut furthest) = (Vec::new(), 0.0_f64);
     for (limit, which) in [2.54e-3, 5.08e-3, 10.16e-3].into_iter().zip(["a", "b", "c"]) {
         let recipe = Recipe::of("fig-8-16").set("VcL", limit).set("Tc", 0.5).set("v_rate", limit / 60.0);
-        let run = figure.run(&recipe.lasting(66.0).every(2e-3), which)?;
+        let recipe = recipe.lasting(66.0).every(2e-3).picture(&figure.heading(), "v_o", &["spring_force"]);
+        let run = figure.run(&recipe, which)?;
         let friction = FallingFriction::simulated(limit);
         let points = run.points(("v_o", 1.0), ("spring_force", 1.0))?;
         // After five time constants the lag has forgotten that the table stood.
@@ -190,7 +191,7 @@ fn dynamic_loop(
     (limit, command): (f64, f64),
 ) -> Result<(Replayed, FrictionLoop, Picture), Problem> {
     let recipe = Recipe::of("fig-8-16").set("VcL", limit).steady(command).lasting(2.0).every(1e-4);
-    let run = figure.run(&recipe.picture("", "v_o", &["spring_force"]), "")?;
+    let run = figure.run(&recipe.picture(&figure.heading(), "v_o", &["spring_force"]), "")?;
     let (velocity, force) = (run.values("v_o")?, run.values("spring_force")?);
     let cycle = friction_loop(&run.trace.time, &velocity, &force, 3, 0.05e-3)?;
     let points = cycle.points.iter().map(|(velocity, force)| (velocity / MM_PER_S, *force)).collect();
@@ -281,7 +282,15 @@ fn frequency(figure: &Figure) -> Result<Drawn, Problem> {
         .line("cycle by cycle, command rising at 1.2 mm/s2", along)
         .dots("at steady commands", points)
         .line("natural frequency", vec![(0.0, natural), (8.0, natural)]);
-    Drawn::of_runs(&[&run], vec![graph.picture()], run.settings(), reading)
+    let mut drawn = Drawn::of_runs(&[&run], vec![graph.picture()], run.settings(), reading)?;
+    let steady = recipe.patch(&figure.file("steady"), &figure.heading())?;
+    drawn.commands.push(format!(
+        "patchcord sweep {} --vary v_start={} --measure frequency:spring_force,last=1.5",
+        steady.file(),
+        listed(&COMMANDS)
+    ));
+    drawn.patches.push(steady);
+    Ok(drawn)
 }
 
 /// A profile of a command that comes back, each direction a channel.
@@ -294,7 +303,8 @@ fn both_ways(run: &Replayed, title: &str) -> Result<Picture, Problem> {
 }
 
 fn there_and_back(figure: &Figure) -> Result<Drawn, Problem> {
-    let run = figure.run(&final_circuit().there_and_back(HIGHEST, RATE), "")?;
+    let recipe = final_circuit().there_and_back(HIGHEST, RATE);
+    let run = figure.run(&recipe.picture(&figure.heading(), "v_i", &["v_o"]), "")?;
     let critical = run.critical()?;
     let reading = format!(
         "oscillation ends at {} while the command rises, and begins at {} while it falls (nothing disturbs it but the run itself)",
@@ -305,7 +315,9 @@ fn there_and_back(figure: &Figure) -> Result<Drawn, Problem> {
 }
 
 fn twice_as_fast(figure: &Figure) -> Result<Drawn, Problem> {
-    let runs = [RATE, 2.0 * RATE].map(|rate| final_circuit().there_and_back(HIGHEST, rate));
+    let runs = [RATE, 2.0 * RATE].map(|rate| {
+        final_circuit().there_and_back(HIGHEST, rate).picture(&figure.heading(), "v_i", &["v_o"])
+    });
     let [slow, fast] = [figure.run(&runs[0], "slow")?, figure.run(&runs[1], "fast")?];
     let pictures = vec![both_ways(&slow, "(a) 1.2 mm/s2")?, both_ways(&fast, "(b) 2.4 mm/s2")?];
     let (before, after) = (slow.critical()?, fast.critical()?);

@@ -120,10 +120,10 @@ fn boundary(figure: &Figure) -> Result<Drawn, Problem> {
         .divided(5.0, 25.0, 10)
         .up(0.0, 60.0)
         .line("VcL = 2 Fs / (7.5e4 Tc^1.54) (3-9)", curve(memories(), simulated)?)
-        .label(20, "above: may oscillate, below: stable")
+        .label(20, "above: stable, below: may oscillate")
         .line("by Routh-Hurwitz (32-9)", curve(memories(), theory)?);
     let reading = format!(
-        "at 7.1 ms all is stable below a VcL of {:.1} mm/s, by Routh-Hurwitz below {:.1}; at 15 ms below {:.1} and {:.1}",
+        "at 7.1 ms all is stable above a VcL of {:.1} mm/s, by Routh-Hurwitz above {:.1}; at 15 ms above {:.1} and {:.1}",
         simulated(7.1)?,
         theory(7.1)?,
         simulated(15.0)?,
@@ -367,7 +367,8 @@ mod tests {
             "{}",
             reading("fig-9-04")
         );
-        assert!(reading("fig-9-05").contains("measured 4.5, 6.7, 8.0"), "{}", reading("fig-9-05"));
+        assert!(reading("fig-9-05").contains("and 4.5, 6.7, 8.0 behind"), "{}", reading("fig-9-05"));
+        assert!(reading("fig-9-02").contains("at 15 ms above 13.2"), "{}", reading("fig-9-02"));
         assert!(reading("fig-9-07").contains("58.4 N s/mm"), "{}", reading("fig-9-07"));
     }
 }

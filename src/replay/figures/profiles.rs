@@ -12,7 +12,7 @@ pub(super) const FIGURES: &[Figure] = &[
         id: "fig-2-03",
         place: "2.5",
         title: "a typical system velocity profile",
-        claims: &[],
+        claims: &["2-034", "4-104"],
         draw: typical,
     },
     Figure {
@@ -70,5 +70,6 @@ fn explained(figure: &Figure) -> Result<Drawn, Problem> {
             Some(format!("{} {name} at {}", index + 1, told(point.ok()?.command, "m/s")))
         });
     let reading = points.collect::<Vec<_>>().join(", ");
-    Drawn::of_runs(&[&run], vec![picture], run.settings(), reading)
+    let drawn = Drawn::of_runs(&[&run], vec![picture], run.settings(), reading)?;
+    Ok(Drawn { commands: vec![format!("patchcord profile {}", run.patch().file())], ..drawn })
 }
