@@ -204,8 +204,7 @@ mod tests {
     fn what_moves_is_told_by_condition() {
         assert_eq!(
             moved_told(&readings(), 2, None),
-            "rising, by up to 1.00 with the rate, 0.10 with the threshold, 0.00 with noise; falling, by up to 0.00 with the rate, 0.00 \
-             with the threshold, 0.00 with noise"
+            "rising, by up to 1.00 with the rate, 0.10 with the threshold; falling, none to compare"
         );
     }
 

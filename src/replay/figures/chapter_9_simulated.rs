@@ -122,7 +122,7 @@ fn exponents(ramps: &[Vec<Slopes>], theory: f64) -> Picture {
     let title = "(c) exponent of Cn against Tc";
     let mut graph = Graph::new(title, ("rate of the command", "mm/s2"), ("exponent", ""))
         .logarithmic(true, false)
-        .up(0.8, 1.8);
+        .up(0.6, 1.8);
     for (index, threshold) in THRESHOLDS.iter().enumerate() {
         let points = RATES.iter().zip(ramps).map(|(rate, laws)| (rate / MM_PER_S, laws[index].1.exponent));
         graph = graph.line(format!("swings above {} mm/s", threshold / MM_PER_S), points.collect());
