@@ -210,12 +210,17 @@ pub(super) fn undisturbed(set: &[(&str, f64)], limit: f64) -> Result<Option<f64>
 
 /// Whether a small disturbance of sliding at this velocity grows.
 fn grows(set: &[(&str, f64)], velocity: f64) -> Result<bool, Problem> {
-    let recipe = Recipe::of("fig-8-16").with(set).set("v_start", velocity).set("v_rate", 0.0);
-    let run = recipe.sliding(DISTURBED).lasting(0.5).every(5e-4).recording(&["v_o"]).run("disturbed", "")?;
+    Ok(growth(Recipe::of("fig-8-16").with(set), velocity)? > 1.0)
+}
+
+/// By what a small disturbance of sliding at this velocity in m/s has grown after 0.3 s.
+pub(super) fn growth(recipe: Recipe, velocity: f64) -> Result<f64, Problem> {
+    let recipe = recipe.steady(velocity).sliding(DISTURBED).lasting(0.5).every(5e-4);
+    let run = recipe.recording(&["v_o"]).run("disturbed", "")?;
     let swing =
         |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max((value - velocity).abs()));
     let values = run.values("v_o")?;
     // The first cycles show what lag and error make of the disturbance.
     let part = values.len() / 5;
-    Ok(swing(&values[values.len() - part..]) > swing(&values[part..2 * part]))
+    Ok(swing(&values[values.len() - part..]) / swing(&values[part..2 * part]))
 }

@@ -12,6 +12,7 @@ use crate::instruments::{
 use crate::patch::{Edit, Patch};
 use crate::plot::Picture;
 use crate::program::{Probe, Program};
+use crate::slideway::scaling::Scales;
 use crate::solve::{self, RunSettings};
 use crate::trace::Trace;
 
@@ -35,6 +36,10 @@ const CIRCUITS: &[(&str, &str)] = &[
     ("fig-8-16-lag-last", include_str!("../../patches/thesis/fig-8-16-lag-last.json")),
     ("fig-8-17", include_str!("../../patches/thesis/fig-8-17.json")),
 ];
+
+/// The integrator of position error, in the circuits that small disturbances and noise come into.
+const POSITION_INTEGRATORS: [(&str, &str); 4] =
+    [("fig-8-11", "A1"), ("fig-8-14", "A1"), ("fig-8-16", "A6"), ("fig-8-16-lag-last", "A6")];
 
 /// So many runs of a sweep are made side by side.
 const ABREAST: usize = 16;
@@ -78,22 +83,35 @@ impl Recipe {
         self.edit("record", json!(signals))
     }
 
-    /// The machine set to slide steadily at `v_start` below VcL, but for the velocity, which is so many times that: what the final
-    /// circuit makes of a small disturbance.
+    /// The machine set to slide steadily at `v_start` below VcL, but for the velocity, which is so many times that: a small
+    /// disturbance of a circuit whose friction falls with the square.
     pub fn sliding(self, times: f64) -> Recipe {
         let error = "-(Fs * (1 - v_start / VcL)^2 + f * v_start) / K / position";
-        self.edit("elements/A6/initial", error)
-            .edit("elements/A3/initial", format!("-{times} * v_start / velocity"))
-            .edit("elements/A1/initial", "100 * (1 - v_start / VcL)")
+        let integrator = self.position_integrator();
+        let recipe = self
+            .edit(&format!("elements/{integrator}/initial"), error)
+            .edit("elements/A3/initial", format!("-{times} * v_start / velocity"));
+        match recipe.circuit {
+            "fig-8-14" => recipe,
+            _ => recipe.edit("elements/A1/initial", "100 * (1 - v_start / VcL)"),
+        }
+    }
+
+    /// The integrator of position error, with the velocity command among what it adds; a name that no circuit has where it is not
+    /// told, so that what is built on it is refused.
+    fn position_integrator(&self) -> &'static str {
+        let found = POSITION_INTEGRATORS.iter().find(|(circuit, _)| *circuit == self.circuit);
+        found.map_or("position-integrator", |(_, integrator)| integrator)
     }
 
     /// Scales so many times as large, of length, velocity and acceleration: for motion that goes beyond the machine in those of the
     /// study. No gain changes but those of the pots.
     pub fn scaled(self, times: f64) -> Recipe {
-        [("position", 0.0254e-3), ("velocity", 0.254e-3), ("acceleration", 0.254)]
+        let Scales { position, velocity, acceleration, .. } = Scales::B;
+        [("position", position), ("velocity", velocity), ("acceleration", acceleration)]
             .into_iter()
-            .fold(self, |recipe, (scale, per_volt)| {
-                recipe.edit(&format!("scales/{scale}/per_volt"), times * per_volt)
+            .fold(self, |recipe, (name, scale)| {
+                recipe.edit(&format!("scales/{name}/per_volt"), times * scale)
             })
     }
 
@@ -104,9 +122,8 @@ impl Recipe {
             return self;
         }
         let noise = json!({"kind": "noise", "scale": "velocity", "rms": rms, "every": 5e-3, "seed": 1});
-        let position_integrator = if self.circuit.starts_with("fig-8-16") { "A6" } else { "A1" };
-        self.edit("drives/rough", noise)
-            .edit(&format!("elements/{position_integrator}/in/x10"), json!(["v_i", "A3", "rough"]))
+        let inputs = format!("elements/{}/in/x10", self.position_integrator());
+        self.edit("drives/rough", noise).edit(&inputs, json!(["v_i", "A3", "rough"]))
     }
 
     /// The command goes up to a velocity in m/s and comes back, at a rate in m/s2.

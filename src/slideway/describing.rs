@@ -14,6 +14,7 @@ use nalgebra::Complex;
 use super::falling::FallingFriction;
 use super::root::halved;
 use super::stability::DrivenTable;
+use super::units::N_S_PER_MM;
 use super::{Range, SlidewayError};
 
 const FREQUENCY: Range = Range::positive("frequency", "rad/s");
@@ -224,7 +225,7 @@ pub fn oscillation_at(
     let gain = table.damping / (slope - (least - table.damping));
     if slope < least || gain <= 0.5 {
         let which = if slope < least { "too little to keep it up" } else { "so steeply that it has no end" };
-        let because = format!("friction falls by {slope:.4} N s/m, {which}");
+        let because = format!("friction falls by {:.2} N s/mm, {which}", slope / N_S_PER_MM);
         return Err(SlidewayError::NoSolution { sought: "limit cycle", because });
     }
     let cycle = table.cycle_with_gain(gain, 1.0);

@@ -1,5 +1,6 @@
 //! Solid friction that falls with velocity: Fs at rest, nothing from VcL on (4.6, 8.2, 8.3, 8.5).
 
+use super::units::N_S_PER_MM;
 use super::{Range, SlidewayError};
 
 const STATIC: Range = Range::positive("static friction Fs", "N");
@@ -94,7 +95,8 @@ impl FallingFriction {
     pub fn velocity_at_slope(&self, slope: f64) -> Result<f64, SlidewayError> {
         let (slope, steepest) = (SLOPE.check(slope)?, self.steepest()?);
         if slope > steepest {
-            let because = format!("friction falls by {steepest:.4} N s/m at most, and it takes {slope:.4}");
+            let [steepest, slope] = [steepest, slope].map(|slope| slope / N_S_PER_MM);
+            let because = format!("friction falls by {steepest:.2} N s/mm at most, and it takes {slope:.2}");
             return Err(SlidewayError::NoSolution { sought: "critical velocity", because });
         }
         Ok(self.limit * (1.0 - slope / steepest))
@@ -153,7 +155,8 @@ mod tests {
     #[test]
     fn where_nothing_is_so_steep_there_is_no_critical_velocity() {
         let error = FallingFriction::simulated(0.04).velocity_at_slope(40e3).unwrap_err();
-        let told = "there is no critical velocity: friction falls by 38550.0000 N s/m at most, and it takes 40000.0000";
+        let told =
+            "there is no critical velocity: friction falls by 38.55 N s/mm at most, and it takes 40.00";
         assert_eq!(error.to_string(), told);
         assert!(FallingFriction::simulated(0.04).solid(f64::NAN).is_err());
         assert!(FallingFriction { limit: 0.0, ..FallingFriction::simulated(1.0) }.solid(0.0).is_err());

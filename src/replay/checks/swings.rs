@@ -4,7 +4,7 @@
 
 use serde_json::json;
 
-use super::super::boundary::{RATE, undisturbed};
+use super::super::boundary::{RATE, growth, undisturbed};
 use super::super::finding::Finding;
 use super::super::given::Given;
 use super::super::recipe::{Recipe, Replayed};
@@ -12,12 +12,13 @@ use super::profiles::{HIGHEST, recipe};
 use super::recordings::{OSCILLATES, hertz, range, steady};
 use super::shipped::setting;
 use super::{Check, CheckError};
+use crate::chain::Parameters;
 use crate::instruments::{Absent, Criterion, CyclesError, ProfileCriterion, Way, cycles, velocity_profile};
-use crate::slideway::design::{Design, Interface, limit_velocity};
+use crate::slideway::design::{Design, Interface};
 use crate::slideway::falling::{FallingFriction, SIMULATED_STATIC, stable_limit};
-use crate::slideway::simulated::{OilLaw, SLOPE_BY_MEMORY};
+use crate::slideway::simulated::SLOPE_BY_MEMORY;
 use crate::slideway::stability::DrivenTable;
-use crate::slideway::units::{GRAVITY, KGF_PER_MM2, MM_PER_S, N_S_PER_MM, POISE};
+use crate::slideway::units::{KGF_PER_MM2, MM_PER_S, N_S_PER_MM, POISE};
 
 pub(super) const CHECKS: &[Check] = &[
     Check { name: "swing-rises-and-falls", run: swing_rises_and_falls },
@@ -196,7 +197,7 @@ fn grows_where_friction_falls(given: &Given) -> Result<Finding, CheckError> {
     let least = FallingFriction::simulated(limit).velocity_of_least(damping)?;
     let (mut holds, mut told) = (true, Vec::new());
     for share in given.numbers("shares")? {
-        let grown = growth_without_lag(limit, share * least)?;
+        let grown = growth(Recipe::of("fig-8-14").set("VcL", limit), share * least)?;
         holds &= (grown > 1.0) == (share < 1.0);
         told.push(format!("x {grown:.2} at {share} of it"));
     }
@@ -204,19 +205,6 @@ fn grows_where_friction_falls(given: &Given) -> Result<Finding, CheckError> {
         holds,
         format!("friction is least at {:.2} mm/s: {}", least / MM_PER_S, told.join(", ")),
     ))
-}
-
-/// By what a disturbance of a thousandth grows within 0.3 s.
-fn growth_without_lag(limit: f64, velocity: f64) -> Result<f64, CheckError> {
-    let error = "-(Fs * (1 - v_start / VcL)^2 + f * v_start) / K / position";
-    let recipe = Recipe::of("fig-8-14").set("VcL", limit).set("v_start", velocity).set("v_rate", 0.0);
-    let recipe = recipe.edit("elements/A1/initial", error);
-    let recipe = recipe.edit("elements/A3/initial", "-1.001 * v_start / velocity");
-    let run = recipe.lasting(0.5).every(5e-4).recording(&["v_o"]).run("disturbed", "")?;
-    let values = run.values("v_o")?;
-    let swing = |part: &[f64]| part.iter().map(|value| (value - velocity).abs()).fold(0.0, f64::max);
-    let part = values.len() / 5;
-    Ok(swing(&values[values.len() - part..]) / swing(&values[part..2 * part]))
 }
 
 /// Whether oscillation begins at a velocity well above rest where friction rises a little, from 90 % of Fs, up to `crest` of VcL before
@@ -282,15 +270,9 @@ fn oils_quieten(given: &Given) -> Result<Finding, CheckError> {
 fn with_oil(viscosity: f64, polar: f64, stiffness: f64) -> Result<Recipe, CheckError> {
     let interface = Interface { polar, ..Interface::MODEL };
     let design = Design { interface, ..Design::model(viscosity, stiffness) };
-    let pressure = design.weight / interface.area;
     // The thinnest oils have a VcL beyond what the patch is made for.
-    Ok(Recipe::of("fig-8-16")
-        .edit("parameters/VcL/range", json!([0, 0.06]))
-        .set("M", design.weight / GRAVITY)
-        .set("K", stiffness)
-        .set("Fs", interface.static_friction(pressure)?)
-        .set("VcL", limit_velocity(pressure, design.lift, viscosity)?)
-        .set("Tc", OilLaw::AT_450_KGF.memory(viscosity)?))
+    let recipe = Recipe::of("fig-8-16").edit("parameters/VcL/range", json!([0, 0.06]));
+    Ok(recipe.with(&Parameters::of_design(&design)?.named()))
 }
 
 /// The largest steady command, to 1 % of the ramp's critical velocity, at which the table still swings after three seconds, and the run.
