@@ -1,0 +1,139 @@
+/* A case from its number: base, drives, what is hidden, clean records, refit of the base, noise. */
+#include "hidden.h"
+
+enum { TRAIN = 2400, ATTEMPTS = 12 };
+static const double HIGHEST = 0.75;                /* share of full scale that nothing may pass */
+static const double LEAST_SIGMA = 1e-6, MOST_SIGMA = 0.03, LEAST_MISFIT = 1e-4;    /* shares of an output's range */
+
+/* True values of what is fitted, about the middle of the ranges; what is known stands in the patch. */
+static void draw_base(struct hidden_case *c, struct chance *chance) {
+    const struct system *s = c->plan.system;
+    int all = params_of(s), known = -1;
+    if (c->plan.mass_known) known = 0;
+    else if (s->family == SLIDE && odds(chance, 0.5)) known = 1;
+    c->fit.outputs = s->outputs[1].signal && odds(chance, s->family == TANKS ? 0.6 : s->family == SLIDE ? 0.3 : 0.1) ? 2 : 1;
+    c->fit.first_output = c->fit.outputs == 1 && s->second_output_alone;
+    if (c->fit.first_output) known = 1;            /* the lower level alone cannot tell the two outlets apart */
+    for (int i = 0; i < all; i++) {
+        double drawn = s->params[i].value * scaled(chance, 1 / 1.5, 1.5);
+        c->params[i] = i == known ? s->params[i].value : drawn;
+        if (i != known) c->fit.params[c->fit.count++] = i;
+    }
+}
+
+static void draw_start(struct hidden_case *c, struct chance *chance, struct record *r) {
+    const struct system *s = c->plan.system;
+    for (int i = 0; i < s->states; i++) {
+        double full = s->full[s->free[i]], at = even(chance, 0.02, 0.15) * sign_of_chance(chance);
+        if (s->family == AXIS) at *= 0.3;
+        if (s->positive) at = even(chance, 0.05, 0.3);
+        if (s->family == TANK) at = even(chance, 0.3, 0.45);
+        r->start[s->free[i]] = at * full;
+    }
+}
+
+/* An axis wanders wherever it begins, and so do integrating vessels: there an offset says nothing. Elsewhere a bias looks the same. */
+static int may_have_offset(const struct hidden_case *c) {
+    const struct system *s = c->plan.system;
+    if (s->family == AXIS || s->family == TANK || (s->family == HEATER && s->wanders)) return 0;
+    for (int i = 0; i < c->plan.count; i++)
+        if (!strcmp(c->plan.effects[i], "constant-bias") || !strcmp(c->plan.effects[i], "drift")) return 0;
+    return 1;
+}
+
+static void draw_effects(struct hidden_case *c, struct chance *chance, double size) {
+    struct record base = c->train;
+    struct plant plain = base_plant(c->plan.system, c->params);
+    through_chain(&plain, &base);
+    struct survey survey = simulate(&plain, &base, 2);
+    c->plant = plain;
+    for (int i = 0; i < c->plan.count; i++) {
+        c->effects[i] = (struct effect){.name = c->plan.effects[i], .shape = "", .junction = c->plan.system->first_junction};
+        struct drawing d = {chance, c->plan.system, &survey, size, TRAIN * c->plan.system->dt, c->plan.mass_known, &c->plant, &c->effects[i]};
+        law_named(c->plan.effects[i])->draw(&d);
+    }
+}
+
+/* Nothing begins beyond a stop or above the brim. */
+static void mind_limits(const struct plant *p, struct record *r) {
+    if (p->stop) r->start[X] = p->stop_side * fmin(p->stop_side * r->start[X], p->stop_at - 0.02 * p->system->full[X]);
+    if (p->overflowing) r->start[H1] = fmin(r->start[H1], 0.8 * p->overflow_at);
+}
+
+/* Runs a record with all that is hidden; returns the largest share of full scale. */
+static double run(const struct plant *p, struct chance *chance, struct record *r) {
+    draw_force(chance, p, r);
+    mind_limits(p, r);
+    through_chain(p, r);
+    return simulate(p, r, TRUTH_STEPS).share;
+}
+
+static void range_of(const double *y, int n, double *range) {
+    double low = y[0], high = y[0];
+    for (int i = 1; i < n; i++) low = fmin(low, y[i]), high = fmax(high, y[i]);
+    *range = high - low;
+}
+
+struct attempt { double gain, size, misfit, range[MAX_OUTPUTS]; };
+
+/* Draws everything from the case's own chance, always in the same order. Returns the largest share of full scale. */
+static double attempted(struct hidden_case *c, struct attempt *a, struct chance *chance) {
+    const struct system *s = c->plan.system;
+    c->fit = (struct fit){0};
+    draw_base(c, chance);
+    struct record *records[] = {&c->train, &c->test};
+    for (int k = 0; k < 2; k++) {
+        draw_start(c, chance, records[k]);
+        draw_drive(chance, s, c->params, a->gain, records[k]);
+    }
+    c->fit.offset = odds(chance, 0.1) && may_have_offset(c);
+    c->sigma_given = odds(chance, 0.5);
+    draw_effects(c, chance, a->size);
+    struct chance forces = *chance;                 /* a force of chance must not move what is drawn later */
+    double share = fmax(run(&c->plant, &forces, &c->train), run(&c->plant, &forces, &c->test));
+    for (int k = 0; k < c->fit.outputs; k++) range_of(c->train.out[c->fit.first_output + k], TRAIN, &a->range[k]);
+    return share;
+}
+
+/* Another size or height of the drive, where the last were too large or too small for the noise that is asked for. */
+static int content(const struct hidden_case *c, struct attempt *a, double share) {
+    if (!(share <= HIGHEST)) return a->gain *= 0.8, a->size *= 0.8, 0;
+    if (!c->plan.count) return 1;
+    if (a->misfit < LEAST_MISFIT && a->size < 4) return a->size *= 1.6, 0;
+    if (a->misfit / c->target > MOST_SIGMA && a->misfit > 4 * LEAST_MISFIT) return a->size *= 0.6, 0;
+    return 1;
+}
+
+static void draw_noise(struct hidden_case *c, struct chance *chance, const struct attempt *a) {
+    double plain = scaled(chance, 1e-4, 1e-2);
+    double sigma = c->plan.count ? fmax(LEAST_SIGMA, fmin(MOST_SIGMA, a->misfit / c->target)) : plain;
+    int quantised = odds(chance, 0.25);
+    c->egnr = c->plan.count ? a->misfit / sigma : 0;
+    for (int k = 0; k < c->fit.outputs; k++) {
+        c->sigma[k] = sigma * a->range[k];
+        c->quantum[k] = quantised ? c->sigma[k] * even(chance, 0.2, 1) : 0;
+        c->offset[k] = c->fit.offset ? a->range[k] * even(chance, 0.01, 0.1) * sign_of_chance(chance) : 0;
+        struct record *records[] = {&c->train, &c->test};
+        for (int r = 0; r < 2; r++)
+            measured(chance, records[r]->out[c->fit.first_output + k], records[r]->n, c->sigma[k], c->quantum[k], c->offset[k], records[r]->noisy[k]);
+    }
+}
+
+struct hidden_case made(uint64_t seed, int number) {
+    struct hidden_case c = {.number = number, .seed = seed, .plan = planned(seed, number)};
+    struct chance aside = chance_of(seed, 2u << 30 | (uint64_t)number);
+    struct attempt a = {.gain = 1, .size = 1};
+    c.target = scaled(&aside, 0.3, 30);
+    c.train = new_record(TRAIN), c.test = new_record(800 + 100 * below(&aside, 5));
+    for (int k = 0; k < ATTEMPTS; k++) {
+        struct chance chance = chance_of(seed, (uint64_t)number);
+        double share = attempted(&c, &a, &chance);
+        if (share <= HIGHEST && c.plan.count)
+            a.misfit = refitted(c.plan.system, c.params, &c.fit, &c.train, a.range, c.rms, c.fitted);
+        if (content(&c, &a, share)) break;
+    }
+    draw_noise(&c, &aside, &a);
+    return c;
+}
+
+void free_case(struct hidden_case *c) { free_record(&c->train), free_record(&c->test); }

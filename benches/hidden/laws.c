@@ -1,0 +1,282 @@
+/* What may be hidden: every law draws its numbers, writes them down as truth and sets them in the plant. Sizes are shares of
+ * what the base shows in the same record (rms force of the drive and so on), times the size that the case asks for. */
+#include "hidden.h"
+
+static double noted(struct drawing *d, const char *name, const char *unit, double value) {
+    struct quantity *q = &d->effect->q[d->effect->n++];
+    snprintf(q->name, sizeof q->name, "%s", name);
+    q->unit = unit, q->value = value;
+    return value;
+}
+
+static double share(struct drawing *d, double low, double high) { return d->size * scaled(d->c, low, high); }
+
+static enum shape one_of(struct drawing *d, int n, const enum shape *shapes) {
+    static const char *NAMES[] = {
+        [NONE] = "", [EXPONENTIAL] = "exponential", [GAUSSIAN] = "Gaussian", [LORENTZIAN] = "Lorentzian", [THESIS] = "share lagged, then squared",
+        [LEVEL] = "level lagged", [DISTANCE] = "speed lagged over a distance", [DAHL] = "Dahl", [LUGRE] = "LuGre", [ELASTOPLASTIC] = "elastoplastic",
+        [LOGARITHMIC] = "logarithmic", [HARD] = "hard", [SOFT] = "tanh", [SHIFTED] = "shifted", [JUMP] = "jump", [SPRING] = "one-sided spring and damper",
+        [REBOUND] = "restitution", [DEAD_ZONE] = "dead zone of the spring", [PLAY] = "play operator", [LINEAR] = "linear", [CURVED] = "saturating exponential",
+        [ROOT] = "square root", [LIMIT] = "limit", [WEIR] = "weir"};
+    enum shape shape = shapes[below(d->c, n)];
+    d->effect->shape = NAMES[shape];
+    return shape;
+}
+#define SHAPE(d, ...) one_of(d, sizeof((enum shape[]){__VA_ARGS__}) / sizeof(enum shape), (enum shape[]){__VA_ARGS__})
+
+static int mechanical(const struct drawing *d) { return d->system->family <= OSCILLATOR; }
+static const char *force_unit(const struct drawing *d) {
+    return mechanical(d) ? "N" : d->system->family == HEATER ? "W" : "m3/s";
+}
+static const char *force_rate_unit(const struct drawing *d) {
+    return mechanical(d) ? "N/s" : d->system->family == HEATER ? "W/s" : "m3/s2";
+}
+static void behind_drive(struct drawing *d) { d->effect->junction = d->system->drive; }
+
+/* Flows may go into either of two tanks. */
+static void into_a_tank(struct drawing *d) {
+    if (d->system->family == TANKS && odds(d->c, 0.5)) d->plant->second = 1;
+    if (d->plant->second) d->effect->junction = d->system->second_junction;
+}
+
+/* ---- friction */
+
+/* F = -Fc sign v; at rest whatever balances, up to Fc (Coulomb 1785). */
+static void coulomb(struct drawing *d) { d->plant->coulomb = noted(d, "Fc", "N", d->at->force * share(d, 0.03, 0.3)); }
+
+/* F = -f v. */
+static void viscous(struct drawing *d) {
+    double ratio = share(d, 0.01, 0.1), spring = 2 * ratio * sqrt(d->plant->k * d->plant->M);
+    d->plant->f += noted(d, "f", "N s/m", d->system->family == OSCILLATOR ? spring : 5 * ratio * d->at->force / d->at->velocity);
+}
+
+/* F = -(Fc + (Fs - Fc) g(|v| / vs)) sign v (Stribeck 1902); over a base with Coulomb friction the fall alone. */
+static void falling(struct drawing *d) {
+    struct plant *p = d->plant;
+    p->falling = SHAPE(d, EXPONENTIAL, GAUSSIAN, LORENTZIAN);
+    p->falling_from = noted(d, "Fs", "N", d->at->force * share(d, 0.06, 0.4));
+    p->falling_to = noted(d, "Fc", "N", p->Fc > 0 ? 0 : p->falling_from * even(d->c, 0.1, 0.6));
+    p->falling_velocity = noted(d, "vs", "m/s", d->at->velocity * scaled(d->c, 0.1, 0.7));
+}
+
+/* Friction follows its steady level with a lag: thesis Fig 8.15 and 8.16; or over a distance (Ruina's slip law 1983). */
+static void memory(struct drawing *d) {
+    struct plant *p = d->plant;
+    double time = d->system->dt * share(d, 3, 40);
+    p->memory = p->Fs > 0 ? SHAPE(d, THESIS, LEVEL, DISTANCE) : SHAPE(d, LEVEL);
+    if (p->memory == DISTANCE) p->memory_distance = noted(d, "L", "m", time * p->VcL);
+    else p->memory_time = noted(d, "Tc", "s", time);
+}
+
+/* Friction at rest grows with the time of rest, 1 - exp (Kato 1972) or ln (Rabinowicz 1958), and falls back at once in motion. */
+static void growth(struct drawing *d) {
+    struct plant *p = d->plant;
+    p->growing = SHAPE(d, EXPONENTIAL, LOGARITHMIC);
+    p->growth = noted(d, "dF", "N", (p->Fc + p->coulomb) * share(d, 0.2, 1.5));
+    p->growth_time = noted(d, "T", "s", d->system->dt * d->system->period * scaled(d->c, 0.1, 1.5));
+}
+
+/* F = -(f + a sign v) v. */
+static void asymmetric(struct drawing *d) {
+    d->plant->asymmetry = noted(d, "df", "N s/m", sign_of_chance(d->c) * d->plant->f * fmin(0.8, share(d, 0.08, 0.7)));
+}
+
+/* F = -c v |v|. */
+static void quadratic(struct drawing *d) {
+    d->plant->quadratic = noted(d, "c2", "N s2/m2", share(d, 0.03, 0.4) * d->at->force / (d->at->velocity * d->at->velocity));
+}
+
+/* Friction yields before it slides: bristles in the place of the base's brake. They are long enough for the steps of a run:
+ * at full speed one bends to its most in 1.2 steps. */
+static void presliding(struct drawing *d) {
+    struct plant *p = d->plant;
+    double fastest = 1.3 * fmax(d->at->top[V], -d->at->low[V]), least = 1.2 * fastest * d->system->dt / TRUTH_STEPS;
+    double reach = d->system->family == SLIDE ? d->at->force / p->K : 0.05 * (d->at->top[X] - d->at->low[X]);
+    p->bristle = SHAPE(d, DAHL, LUGRE, ELASTOPLASTIC);
+    p->bristle_level = p->Fc + p->coulomb, p->Fc = p->coulomb = 0;
+    p->bristle_stiffness = noted(d, "stiffness", "N/m", p->bristle_level / fmax(least, reach * share(d, 0.02, 0.3)));
+    if (p->bristle != DAHL) p->bristle_damping = noted(d, "damping", "N s/m", 0.3 * sqrt(p->bristle_stiffness * p->M));
+}
+
+/* Level mu |force of the drive| (Amontons: the load is what the drive presses on). */
+static void load_dependent(struct drawing *d) { d->plant->load = noted(d, "mu", "1", fmin(0.6, share(d, 0.03, 0.3))); }
+
+/* ---- forces of position */
+
+/* Slide: play between the drive's spring and the table. Tanks, heater: play of the actuator. */
+static void backlash(struct drawing *d) {
+    struct plant *p = d->plant;
+    int slide = d->system->family == SLIDE;
+    p->play_shape = slide ? SHAPE(d, DEAD_ZONE, PLAY) : SHAPE(d, PLAY);
+    double reach = slide ? d->at->force / p->K : d->at->drive;
+    p->play = noted(d, "width", slide ? "m" : d->system->drive_unit, 2 * reach * share(d, 0.03, 0.3)) / 2;
+    if (!slide) behind_drive(d);
+}
+
+/* F = -k3 x^3 (Duffing 1918); slide: the drive's spring, K e + k3 e^3. */
+static void cubic(struct drawing *d) {
+    struct plant *p = d->plant;
+    double spring = d->system->family == SLIDE ? p->K : p->k;
+    double reach = d->system->family == SLIDE ? d->at->force / p->K : 0.35 * (d->at->top[X] - d->at->low[X]);
+    p->cubic = noted(d, "k3", "N/m3", spring * share(d, 0.05, 0.6) / (reach * reach));
+}
+
+/* One-sided spring with damper, or Newton's restitution, where the position passes the stop. */
+static void hard_stop(struct drawing *d) {
+    struct plant *p = d->plant;
+    double up = d->at->top[X] - d->at->first[X], down = d->at->first[X] - d->at->low[X];
+    double side = fmin(up, down) < 0.5 * fmax(up, down) ? (up > down ? 1 : -1) : sign_of_chance(d->c);
+    double inside = fmax(0.3, 1 - 0.3 * share(d, 0.2, 1)), rate = 2 * M_PI / (d->system->dt * even(d->c, 8, 30));
+    p->stop = SHAPE(d, SPRING, REBOUND), p->stop_side = side;
+    p->stop_at = side * d->at->first[X] + inside * (side > 0 ? up : down);
+    noted(d, "at", "m", side * p->stop_at), noted(d, "side", "1", side);
+    if (p->stop == REBOUND) p->rebound = noted(d, "restitution", "1", even(d->c, 0, 0.8));
+    else {
+        p->stop_stiffness = noted(d, "stiffness", "N/m", p->M * rate * rate);
+        p->stop_damping = noted(d, "damping", "N s/m", 2 * even(d->c, 0.05, 0.4) * p->M * rate);
+    }
+}
+
+/* ---- behind the drive */
+
+/* The drive gives no more than a limit: cut off, or L tanh(u / L). */
+static void saturation(struct drawing *d) {
+    struct plant *p = d->plant;
+    double top = d->at->drive_peak, how = share(d, 0.05, 0.5);
+    p->limiting = SHAPE(d, HARD, SOFT);
+    p->limit = noted(d, "limit", d->system->drive_unit, p->limiting == HARD ? top * fmax(0.3, 1 - how) : top / fmin(2.5, 3 * how));
+    behind_drive(d);
+}
+
+/* Nothing within +-d; beyond it u - d, or u at once. */
+static void dead_zone(struct drawing *d) {
+    d->plant->dead_shape = SHAPE(d, SHIFTED, JUMP);
+    d->plant->dead = noted(d, "half-width", d->system->drive_unit, d->at->drive * share(d, 0.03, 0.35));
+    behind_drive(d);
+}
+
+/* u(t - T); before the record the drive stood at its first value. */
+static void delay(struct drawing *d) {
+    d->plant->delay = noted(d, "T", "s", d->system->dt * fmin(0.25 * d->system->period, share(d, 0.4, 10)));
+    behind_drive(d);
+}
+
+/* T y' = u - y. */
+static void lag(struct drawing *d) {
+    d->plant->lag = noted(d, "T", "s", d->system->dt * share(d, 0.4, 12));
+    behind_drive(d);
+}
+
+/* ---- forces of time */
+
+static void bias(struct drawing *d) {
+    into_a_tank(d);
+    d->plant->bias = noted(d, "bias", force_unit(d), sign_of_chance(d->c) * d->at->force * share(d, 0.02, 0.25));
+}
+
+/* Linear in time, or F (1 - exp(-t / T)). */
+static void drift(struct drawing *d) {
+    struct plant *p = d->plant;
+    double top = sign_of_chance(d->c) * d->at->force * share(d, 0.04, 0.4);
+    into_a_tank(d);
+    p->drifting = SHAPE(d, LINEAR, CURVED), p->drift = top;
+    if (p->drifting == LINEAR) p->drift_time = d->length, noted(d, "rate", force_rate_unit(d), top / d->length);
+    else noted(d, "end", force_unit(d), top), p->drift_time = noted(d, "T", "s", d->length * even(d->c, 0.3, 0.8));
+}
+
+/* A sin(2 pi frequency t + phase). */
+static void periodic(struct drawing *d) {
+    struct plant *p = d->plant;
+    into_a_tank(d);
+    p->wave = noted(d, "amplitude", force_unit(d), d->at->force * share(d, 0.03, 0.35));
+    double frequency = noted(d, "frequency", "Hz", scaled(d->c, 0.2, 3) / (d->system->period * d->system->dt));
+    p->wave_rate = 2 * M_PI * frequency;
+    p->wave_phase = noted(d, "phase", "rad", even(d->c, 0, 2 * M_PI));
+}
+
+/* Another mass from an instant on; from the beginning where the mass is not fitted. Momentum is not kept: velocity is. */
+static void mass_change(struct drawing *d) {
+    struct plant *p = d->plant;
+    p->mass_factor = 1 + share(d, 0.05, 0.6);
+    if (odds(d->c, 0.4)) p->mass_factor = 1 / p->mass_factor;
+    if (!d->mass_known) p->mass_time = d->system->dt * round(even(d->c, 0.15, 0.4) * d->length / d->system->dt);
+    d->effect->shape = d->mass_known ? "from the beginning" : "step";
+    noted(d, "dM", "kg", (p->mass_factor - 1) * p->M);
+    if (!d->mass_known) noted(d, "at", "s", p->mass_time);
+}
+
+/* ---- tanks and heater */
+
+/* Out of a tank c h or c sqrt(h) (Torricelli 1643); out of a body c T. */
+static void leak(struct drawing *d) {
+    struct plant *p = d->plant;
+    double top = d->at->top[0], content = d->system->family == HEATER ? p->capacity : p->A1;
+    double linear = d->system->family == TANKS ? share(d, 0.04, 0.4) / p->R1 : content / d->length * share(d, 0.1, 2);
+    p->leaking = d->system->family == HEATER ? SHAPE(d, LINEAR) : SHAPE(d, LINEAR, ROOT);
+    const char *unit = d->system->family == HEATER ? "W/K" : p->leaking == ROOT ? "m2.5/s" : "m2/s";
+    p->leak = noted(d, "coefficient", unit, p->leaking == ROOT ? linear * sqrt(0.5 * top) : linear);
+}
+
+/* The upper tank holds no more than a height, or flows over a weir (Poleni 1717); a share of it falls into the lower one. */
+static void overflow(struct drawing *d) {
+    struct plant *p = d->plant;
+    p->overflowing = SHAPE(d, LIMIT, WEIR);
+    p->overflow_at = noted(d, "height", "m", d->at->top[H1] * fmax(0.4, 1 - 0.3 * share(d, 0.3, 1.5)));
+    p->overflow_share = noted(d, "share", "1", even(d->c, 0.2, 1));
+    if (p->overflowing == WEIR) p->weir = noted(d, "weir", "m1.5/s", d->at->force / pow(even(d->c, 0.02, 0.06) * d->at->top[H1], 1.5));
+}
+
+/* ---- not in the library */
+
+/* Gaussian hills of force over position, as worn or dirty guides have them. */
+static void position_bumps(struct drawing *d) {
+    struct plant *p = d->plant;
+    double low = d->at->low[X], range = d->at->top[X] - low, height = d->at->force * share(d, 0.1, 0.6);
+    p->bump_width = noted(d, "width", "m", range / even(d->c, 15, 40));
+    for (int i = 0; i < BUMPS; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "at%d", i + 1);
+        p->bump_at[i] = noted(d, name, "m", low + range * (i + even(d->c, 0, 1)) / BUMPS);
+        snprintf(name, sizeof name, "height%d", i + 1);
+        p->bump[i] = noted(d, name, "N", height * sign_of_chance(d->c) * even(d->c, 0.4, 1));
+    }
+}
+
+/* Force that wanders as a random walk; another one in every record. */
+static void random_walk(struct drawing *d) { d->plant->walk = noted(d, "rms", force_unit(d), d->at->force * share(d, 0.03, 0.3)); }
+
+/* A relay with hysteresis adds its side to the drive. */
+static void relay(struct drawing *d) {
+    d->plant->relay = noted(d, "height", d->system->drive_unit, d->at->drive * share(d, 0.03, 0.4));
+    d->plant->relay_at = noted(d, "threshold", d->system->drive_unit, d->at->drive * even(d->c, 0.1, 0.6));
+    behind_drive(d);
+}
+
+/* The base's friction or loss (tanks: lower resistance) begins too large by a share, which dies away. */
+static void thaw(struct drawing *d) {
+    d->plant->thaw = noted(d, "share", "1", share(d, 0.3, 2));
+    d->plant->thaw_time = noted(d, "T", "s", d->length * even(d->c, 0.1, 0.35));
+    if (d->system->family == TANKS) d->effect->junction = d->system->second_junction;
+}
+
+/* Short blows at instants of chance; others in every record. */
+static void shocks(struct drawing *d) { d->plant->shock = noted(d, "height", force_unit(d), d->at->force * share(d, 0.3, 2)); }
+
+const struct law LAWS[] = {
+    {"coulomb-friction", coulomb}, {"viscous-friction", viscous}, {"stribeck-friction", falling}, {"friction-memory", memory},
+    {"static-friction-growth", growth}, {"asymmetric-viscous-friction", asymmetric}, {"quadratic-drag", quadratic},
+    {"presliding-stiffness", presliding}, {"backlash", backlash}, {"cubic-stiffness", cubic}, {"hard-stop", hard_stop},
+    {"saturation", saturation}, {"drive-dead-zone", dead_zone}, {"time-delay", delay}, {"actuator-lag", lag}, {"constant-bias", bias},
+    {"drift", drift}, {"periodic-disturbance", periodic}, {"mass-change", mass_change}, {"load-dependent-friction", load_dependent},
+    {"leak", leak}, {"overflow", overflow},
+    {"unknown:bumps", position_bumps}, {"unknown:random-walk", random_walk}, {"unknown:relay-hysteresis", relay},
+    {"unknown:slow-thaw", thaw}, {"unknown:shocks", shocks},
+};
+const int LAW_COUNT = sizeof LAWS / sizeof *LAWS;
+
+const struct law *law_named(const char *name) {
+    for (int i = 0; i < LAW_COUNT; i++)
+        if (!strcmp(LAWS[i].name, name)) return &LAWS[i];
+    fprintf(stderr, "%s: no such law\n", name);
+    exit(2);
+}

@@ -1,0 +1,368 @@
+/* Motion of a plant: classical Runge-Kutta with equal steps. Stopping, breaking loose, stops and brims are located by
+ * bisection, so that no step reaches across them; in between the equations are smooth but for corners of mild forces. */
+#include "hidden.h"
+
+enum mode { FREE, SLIDES, STANDS };
+
+struct motion {
+    const struct plant *p;
+    const struct record *r;
+    int brake;
+    double mass_share;
+    enum mode mode;
+    double side;               /* SLIDES: sign of the velocity */
+    int pressed;               /* against the stop, or full to the brim */
+};
+
+static double along(const double *table, double at, int last) {
+    if (at <= 0) return table[0];
+    if (at >= last) return table[last];
+    int i = (int)at;
+    return table[i] + (table[i + 1] - table[i]) * (at - i);
+}
+
+static double drive_at(const struct motion *m, double t) {
+    return along(m->r->behind, t / m->p->system->dt * FINE, FINE * m->r->n - 1);
+}
+
+/* Constant, slow, periodic and chance forces. Drift: straight, or 1 - exp. */
+static double force_of_time(const struct motion *m, double t) {
+    const struct plant *p = m->p;
+    double sum = p->bias;
+    if (p->drift != 0) sum += p->drift * (p->drifting == CURVED ? 1 - exp(-t / p->drift_time) : t / p->drift_time);
+    if (p->wave > 0) sum += p->wave * sin(p->wave_rate * t + p->wave_phase);
+    if (p->walk > 0 || p->shock > 0) sum += along(m->r->force, t / p->system->dt, m->r->n - 1);
+    return sum;
+}
+
+/* What a slow thaw makes of a coefficient: it begins at 1 + thaw times its value. */
+static double thawed(const struct plant *p, double t) { return p->thaw > 0 ? 1 + p->thaw * exp(-t / p->thaw_time) : 1; }
+
+/* ---- friction */
+
+/* Share of the Stribeck rise that is left at a speed: Tustin exp(-v), Bo and Pavelescu exp(-v^2), Hess and Soom 1 / (1 + v^2). */
+static double fallen(enum shape shape, double ratio) {
+    if (shape == GAUSSIAN) return exp(-ratio * ratio);
+    if (shape == LORENTZIAN) return 1 / (1 + ratio * ratio);
+    return exp(-ratio);
+}
+
+/* Falling friction of the base (thesis, Fig 8.14): Fs (1 - |v|/VcL)^2. Memory (Fig 8.16): the share follows 1 - |v|/VcL with the
+ * lag Tc and is then squared; or the level itself follows; or the speed that the level belongs to follows over a distance. */
+static double steady(const struct plant *p, double speed) {
+    double share = fmax(0, 1 - speed / p->VcL);
+    return p->Fs * share * share;
+}
+
+static double falling_level(const struct plant *p, double speed, double z) {
+    if (p->memory == THESIS) return p->Fs * fmax(z, 0) * fmax(z, 0);
+    if (p->memory == LEVEL) return z;
+    return steady(p, p->memory == DISTANCE ? z : speed);
+}
+
+/* Stribeck's fall hidden in the plant, of which memory makes the level follow its speed with a lag as well. */
+static double stribeck(const struct plant *p, double speed) {
+    return p->falling_to + (p->falling_from - p->falling_to) * fallen(p->falling, speed / p->falling_velocity);
+}
+
+/* Level at which solid friction slides; drive: the force that comes from the drive (load-dependent friction: mu |drive|). */
+static double level(const struct plant *p, double speed, double z, double drive) {
+    double sum = p->Fc + p->coulomb + p->load * fabs(drive);
+    if (p->Fs > 0) sum += falling_level(p, speed, z);
+    if (p->falling) sum += p->memory ? z : stribeck(p, speed);
+    return sum;
+}
+
+/* What rest adds: dF (1 - exp(-t/T)), or dF ln(1 + t/T) (Rabinowicz; Dieterich). */
+static double grown(const struct plant *p, double rested) {
+    if (p->growth == 0) return 0;
+    return p->growth * (p->growing == LOGARITHMIC ? log1p(rested / p->growth_time) : 1 - exp(-rested / p->growth_time));
+}
+
+/* Rate of a bristle: Dahl 1968; LuGre (Canudas de Wit 1995) with a level for all speeds, so Dahl's with damping; elastoplastic
+ * (Dupont 2002): a bristle bent by less than 0.7 of its most springs back. */
+static double bristle_rate(const struct plant *p, double v, double z) {
+    double most = p->bristle_level / p->bristle_stiffness, bent = z / most;
+    if (p->bristle != ELASTOPLASTIC) return v - fabs(v) * bent;
+    double share = v * z <= 0 || fabs(bent) < 0.7 ? 0 : fabs(bent) >= 1 ? 1 : 0.5 + 0.5 * sin(M_PI * (fabs(bent) - 0.85) / 0.3);
+    return v * (1 - share * fabs(bent));
+}
+
+static double bristle(const struct plant *p, double v, double z) {
+    return p->bristle_stiffness * z + p->bristle_damping * bristle_rate(p, v, z);
+}
+
+/* Rate of the inner state of friction: bristle, time at rest, or memory. */
+static double inner_rate(const struct motion *m, double v, double z) {
+    const struct plant *p = m->p;
+    double speed = fabs(v);
+    if (p->bristle) return bristle_rate(p, v, z);
+    if (p->growth > 0) return m->mode == STANDS;
+    if (p->memory == DISTANCE) return (speed + 1e-3 * p->VcL) / p->memory_distance * (speed - z);
+    if (p->memory == THESIS) return (1 - fmin(speed / p->VcL, 1) - z) / p->memory_time;
+    if (p->memory == LEVEL) return ((p->falling ? stribeck(p, speed) : steady(p, speed)) - z) / p->memory_time;
+    return 0;
+}
+
+/* ---- forces on the mass */
+
+static double beyond(double x, double half) { return x > half ? x - half : x < -half ? x + half : 0; }
+
+/* Stop as a spring: it pushes, never pulls (Kelvin-Voigt, cut off at 0). */
+static double stop_force(const struct plant *p, double x, double v) {
+    double depth = p->stop_side * x - p->stop_at;
+    if (p->stop != SPRING || depth <= 0) return 0;
+    return -p->stop_side * fmax(0, p->stop_stiffness * depth + p->stop_damping * p->stop_side * v);
+}
+
+static double bumps(const struct plant *p, double x) {
+    double sum = 0;
+    for (int i = 0; i < BUMPS; i++) {
+        double d = (x - p->bump_at[i]) / p->bump_width;
+        sum += p->bump[i] * exp(-d * d / 2);
+    }
+    return sum;
+}
+
+/* Force that comes from the drive: its spring and damper, or the drive itself. Backlash: nothing while the spring's end is within the play. */
+static double from_drive(const struct motion *m, double t, const double *y, double u) {
+    const struct plant *p = m->p;
+    if (p->system->family != SLIDE) return u;
+    double stretch = y[E], pulls = 1;
+    if (p->play_shape == DEAD_ZONE) stretch = beyond(stretch, p->play), pulls = stretch != 0;
+    if (p->play_shape == PLAY) stretch -= along(m->r->lost, t / p->system->dt * FINE, FINE * m->r->n - 1);
+    return p->K * stretch + p->cubic * stretch * stretch * stretch + pulls * p->C * (u - y[V]);
+}
+
+/* Net force but for the brake. Asymmetry: the viscous coefficient differs by it between the two directions. */
+static double net_force(const struct motion *m, double t, const double *y, double drive) {
+    const struct plant *p = m->p;
+    double x = y[X], v = y[V];
+    double sum = drive - (p->f * thawed(p, t) + (v > 0 ? p->asymmetry : -p->asymmetry)) * v - p->quadratic * v * fabs(v) - p->k * x + force_of_time(m, t);
+    if (p->system->family == OSCILLATOR) sum -= p->cubic * x * x * x;
+    if (p->stop) sum += stop_force(p, x, v);
+    if (p->bump_width > 0) sum += bumps(p, x);
+    if (p->bristle) sum -= bristle(p, v, y[Z]);
+    return sum;
+}
+
+static void mass_rates(const struct motion *m, double t, const double *y, double *dy) {
+    const struct plant *p = m->p;
+    double u = drive_at(m, t);
+    dy[Z] = inner_rate(m, y[V], y[Z]);
+    if (m->mode == STANDS || m->pressed) {
+        dy[E] = p->system->family == SLIDE ? u : 0, dy[X] = dy[V] = 0;
+        return;
+    }
+    double drive = from_drive(m, t, y, u), force = net_force(m, t, y, drive);
+    if (m->mode == SLIDES) force -= m->side * level(p, fabs(y[V]), y[Z], drive);
+    dy[E] = p->system->family == SLIDE ? u - y[V] : 0;
+    dy[X] = y[V];
+    dy[V] = force / (p->M * m->mass_share);
+}
+
+/* ---- tanks and heater */
+
+/* Leak: linear in the level, or Torricelli's root of it. */
+static double leaked(const struct plant *p, double content) {
+    if (p->leaking == ROOT) return p->leak * sqrt(fmax(content, 0));
+    return p->leak * content;
+}
+
+/* Over a weir flows what stands above it, times a coefficient, to the power of 3/2. */
+static double over_weir(const struct plant *p, double height) {
+    double above = height - p->overflow_at;
+    return p->overflowing == WEIR && above > 0 ? p->weir * above * sqrt(above) : 0;
+}
+
+static void tank_rates(const struct motion *m, double t, const double *y, double *dy) {
+    const struct plant *p = m->p;
+    double extra = force_of_time(m, t), over = over_weir(p, y[H1]), out = p->system->family == TANKS ? y[H1] / p->R1 : 0;
+    double first = p->ku * drive_at(m, t) - out - over + (p->second ? 0 : extra - leaked(p, y[H1]));
+    if (m->pressed) over = first, first = 0;
+    dy[H1] = first / p->A1, dy[H2] = dy[V] = dy[Z] = 0;
+    if (p->system->family == TANKS)
+        dy[H2] = (out - y[H2] / (p->R2 * thawed(p, t)) + p->overflow_share * over + (p->second ? extra - leaked(p, y[H2]) : 0)) / p->A2;
+}
+
+static void heater_rates(const struct motion *m, double t, const double *y, double *dy) {
+    const struct plant *p = m->p;
+    double power = drive_at(m, t) - p->G * thawed(p, t) * y[TEMPERATURE] - leaked(p, y[TEMPERATURE]) + force_of_time(m, t);
+    dy[TEMPERATURE] = power / p->capacity, dy[X] = dy[V] = dy[Z] = 0;
+}
+
+/* ---- steps */
+
+static void rates(const struct motion *m, double t, const double *y, double *dy) {
+    enum family family = m->p->system->family;
+    if (family == HEATER) heater_rates(m, t, y, dy);
+    else if (family == TANK || family == TANKS) tank_rates(m, t, y, dy);
+    else mass_rates(m, t, y, dy);
+}
+
+static void stepped(const struct motion *m, double t, const double *y, double h, double *to) {
+    double k1[STATES], k2[STATES], k3[STATES], k4[STATES], at[STATES];
+    rates(m, t, y, k1);
+    for (int i = 0; i < STATES; i++) at[i] = y[i] + h / 2 * k1[i];
+    rates(m, t + h / 2, at, k2);
+    for (int i = 0; i < STATES; i++) at[i] = y[i] + h / 2 * k2[i];
+    rates(m, t + h / 2, at, k3);
+    for (int i = 0; i < STATES; i++) at[i] = y[i] + h * k3[i];
+    rates(m, t + h, at, k4);
+    for (int i = 0; i < STATES; i++) to[i] = y[i] + h / 6 * (k1[i] + 2 * (k2[i] + k3[i]) + k4[i]);
+}
+
+enum event { NOTHING, BREAKS_LOOSE, COMES_TO_REST, MEETS, LEAVES };
+
+/* Force on a mass that stands or is pressed against its stop, and the friction that may hold it. */
+static double held_by(const struct motion *m, double t, const double *y, double *force) {
+    double drive = from_drive(m, t, y, drive_at(m, t));
+    *force = net_force(m, t, y, drive);
+    return level(m->p, 0, y[Z], drive) + grown(m->p, y[Z]);
+}
+
+static double inflow(const struct motion *m, double t, const double *y) {
+    struct motion open = *m;
+    double dy[STATES];
+    open.pressed = 0, tank_rates(&open, t, y, dy);
+    return dy[H1];
+}
+
+static enum event mass_event(const struct motion *m, double t, const double *y) {
+    const struct plant *p = m->p;
+    double force;
+    if (m->pressed) {
+        double hold = held_by(m, t, y, &force);
+        return -p->stop_side * force > hold ? LEAVES : NOTHING;
+    }
+    if (m->mode == STANDS) {
+        double hold = held_by(m, t, y, &force);
+        return fabs(force) > hold ? BREAKS_LOOSE : NOTHING;
+    }
+    if (p->stop == REBOUND && p->stop_side * y[X] > p->stop_at && p->stop_side * y[V] > 0) return MEETS;
+    return m->mode == SLIDES && m->side * y[V] < 0 ? COMES_TO_REST : NOTHING;
+}
+
+static enum event event(const struct motion *m, double t, const double *y) {
+    enum family family = m->p->system->family;
+    if (family <= OSCILLATOR) return m->brake || m->p->stop == REBOUND ? mass_event(m, t, y) : NOTHING;
+    if (m->p->overflowing != LIMIT) return NOTHING;
+    if (m->pressed) return inflow(m, t, y) < 0 ? LEAVES : NOTHING;
+    return y[H1] > m->p->overflow_at ? MEETS : NOTHING;
+}
+
+static void set_off(struct motion *m, double force) { m->mode = m->brake ? SLIDES : FREE, m->side = force < 0 ? -1 : 1; }
+
+/* Comes to rest, or goes on the other way at once. */
+static void halted(struct motion *m, double t, double *y) {
+    double force;
+    y[V] = 0;
+    if (m->p->growth > 0) y[Z] = 0;
+    double hold = held_by(m, t, y, &force);
+    if (fabs(force) <= hold) m->mode = STANDS;
+    else set_off(m, force);
+}
+
+/* Thrown back with a share of the velocity (Newton); what is slower than a thousandth of full scale stays at the stop. */
+static void met(struct motion *m, double *y) {
+    const struct plant *p = m->p;
+    if (p->overflowing == LIMIT) {
+        m->pressed = 1, y[H1] = p->overflow_at;
+        return;
+    }
+    y[V] *= -p->rebound, y[X] = p->stop_side * p->stop_at;
+    if (fabs(y[V]) < 1e-3 * p->system->full[V]) m->pressed = 1, y[V] = 0;
+    else m->side = -p->stop_side;
+}
+
+static void happens(struct motion *m, enum event what, double t, double *y) {
+    double force;
+    if (what == MEETS) met(m, y);
+    else if (what == COMES_TO_REST) halted(m, t, y);
+    else if (m->p->overflowing == LIMIT) m->pressed = 0;
+    else held_by(m, t, y, &force), m->pressed = 0, set_off(m, force);
+}
+
+/* The length of step after which something happens, by bisection to the last bits that matter. */
+static double until(const struct motion *m, double t, const double *y, double h, enum event *what) {
+    double low = 0, high = h, to[STATES];
+    for (int i = 0; i < 44; i++) {
+        double middle = (low + high) / 2;
+        stepped(m, t, y, middle, to);
+        enum event now = event(m, t + middle, to);
+        if (now) high = middle, *what = now;
+        else low = middle;
+    }
+    return high;
+}
+
+static void advance(struct motion *m, double t, double *y, double h) {
+    double to[STATES];
+    for (int count = 0; h > 0 && count < 100; count++) {
+        stepped(m, t, y, h, to);
+        enum event what = event(m, t + h, to);
+        if (!what) break;
+        double part = until(m, t, y, h, &what);
+        stepped(m, t, y, part, to);
+        t += part, h -= part;
+        memcpy(y, to, sizeof to);
+        happens(m, what, t, y);
+        stepped(m, t, y, h, to);
+    }
+    memcpy(y, to, sizeof to);
+}
+
+/* ---- a run */
+
+static void surveyed(struct survey *s, const struct motion *m, double t, const double *y) {
+    const struct plant *p = m->p;
+    const struct system *sys = p->system;
+    double u = drive_at(m, t), drive = u, net = u;
+    for (int i = 0; i < STATES; i++) {
+        if (sys->full[i] > 0) s->share = fmax(s->share, fabs(y[i]) / sys->full[i]);
+        s->top[i] = fmax(s->top[i], y[i]), s->low[i] = fmin(s->low[i], y[i]);
+    }
+    if (sys->family <= OSCILLATOR) {
+        drive = from_drive(m, t, y, u);
+        net = fmax(fabs(drive - p->f * y[V] - p->k * y[X]), fmax(fabs(drive), fabs(p->k * y[X])));
+        s->velocity += y[V] * y[V], s->held += m->mode == STANDS;
+    }
+    if (sys->family == TANK || sys->family == TANKS) drive = net = p->ku * u;
+    s->share = fmax(s->share, fmax(fabs(net) / sys->full_force, fabs(u) / sys->full_drive));
+    s->force += drive * drive, s->drive += u * u, s->drive_peak = fmax(s->drive_peak, fabs(u));
+}
+
+static void begin(struct motion *m, double *y) {
+    const struct plant *p = m->p;
+    double speed = fabs(y[V]), force;
+    if (p->memory == THESIS) y[Z] = 1 - fmin(speed / p->VcL, 1);
+    if (p->memory == LEVEL) y[Z] = p->falling ? stribeck(p, speed) : steady(p, speed);
+    if (p->memory == DISTANCE) y[Z] = speed;
+    if (!m->brake) return;
+    m->mode = SLIDES, m->side = y[V] < 0 ? -1 : 1;
+    if (y[V] != 0) return;
+    double hold = held_by(m, 0, y, &force);
+    if (fabs(force) <= hold) m->mode = STANDS;
+    else set_off(m, force);
+}
+
+/* Fills the outputs of a record, so many steps a sample. */
+struct survey simulate(const struct plant *p, struct record *r, int fine) {
+    const struct system *s = p->system;
+    struct motion m = {.p = p, .r = r, .brake = s->family <= OSCILLATOR && has_brake(p), .mass_share = 1};
+    struct survey survey = {0};
+    double y[STATES];
+    memcpy(y, r->start, sizeof y);
+    for (int k = 0; k < STATES; k++) survey.first[k] = survey.top[k] = survey.low[k] = y[k];
+    begin(&m, y);
+    for (int i = 0; i < r->n; i++) {
+        double t = i * s->dt;
+        m.mass_share = p->mass_factor != 1 && t >= p->mass_time ? p->mass_factor : 1;
+        for (int k = 0; k < MAX_OUTPUTS && s->outputs[k].signal; k++) r->out[k][i] = y[s->outputs[k].state];
+        surveyed(&survey, &m, t, y);
+        for (int k = 0; k < fine && i + 1 < r->n; k++) advance(&m, t + k * s->dt / fine, y, s->dt / fine);
+    }
+    survey.force = sqrt(survey.force / r->n), survey.velocity = sqrt(survey.velocity / r->n);
+    survey.drive = sqrt(survey.drive / r->n), survey.held /= r->n;
+    return survey;
+}
