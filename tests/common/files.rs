@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-/// Every patch that comes with the program, whatever its folder.
+/// Every patch that comes with the program, whatever its folder; effects are parts of patches.
 pub fn shipped() -> Vec<PathBuf> {
-    let found = patches_in(&rooted("patches"));
+    let mut found = patches_in(&rooted("patches"));
+    found.retain(|file| !file.starts_with(rooted("patches/effects")));
     assert!(found.len() >= 25, "{found:?}");
     found
 }
