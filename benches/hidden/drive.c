@@ -65,13 +65,15 @@ static int piece(struct chance *c, const struct system *s, double *w, int room, 
     return m + back;
 }
 
-/* All kinds in turn, in an order of chance, each followed by a rest now and then. It begins with a short rest. */
-static void pieces(struct chance *c, const struct system *s, double *w, int n) {
+/* All kinds in turn, in an order of chance, each followed by a rest now and then. It begins with a short rest. Rests: most pieces
+ * are ramps, and a rest follows every one. */
+static void pieces(struct chance *c, const struct system *s, double *w, int n, int rests) {
     int first = (int)(0.3 * s->period), kind = below(c, 3);
     rest(w, first, s->positive ? -1 : 0);
     for (int i = first; i < n;) {
+        if (rests && odds(c, 0.6)) kind = 2;
         i += piece(c, s, w + i, n - i, kind);
-        if (i < n && odds(c, 0.6)) i += piece(c, s, w + i, n - i, 3);
+        if (i < n && (odds(c, 0.6) || rests)) i += piece(c, s, w + i, n - i, 3);
         kind = (kind + 1 + below(c, 2)) % 3;
     }
 }
@@ -120,8 +122,8 @@ static void rounded(double *u, int n) {
 }
 
 /* Gain: makes it higher or lower than it would be. */
-void draw_drive(struct chance *c, const struct system *s, const double *params, double gain, struct record *r) {
-    pieces(c, s, r->u, r->n);
+void draw_drive(struct chance *c, const struct system *s, const double *params, double gain, int rests, struct record *r) {
+    pieces(c, s, r->u, r->n, rests);
     if (s->family == AXIS) force_for_velocity(s, params, r->u, r->n);
     if (s->positive)
         for (int i = 0; i < r->n; i++) r->u[i] = fmax(0, (1 + r->u[i]) / 2);

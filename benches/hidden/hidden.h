@@ -73,6 +73,7 @@ struct plant {
     double walk, shock;                            /* rms of a random-walk force; height of shocks */
 };
 struct plant base_plant(const struct system *s, const double *params);
+void set_base(struct plant *p, const double *params);
 int has_brake(const struct plant *p);
 
 /* ---- drive.c */
@@ -90,7 +91,7 @@ struct record {
 };
 struct record new_record(int n);
 void free_record(struct record *r);
-void draw_drive(struct chance *c, const struct system *s, const double *params, double gain, struct record *r);
+void draw_drive(struct chance *c, const struct system *s, const double *params, double gain, int rests, struct record *r);
 void draw_force(struct chance *c, const struct plant *p, struct record *r);
 void through_chain(const struct plant *p, struct record *r);
 
@@ -120,8 +121,18 @@ const struct law *law_named(const char *name);
 
 /* ---- refit.c */
 struct fit { int params[MAX_PARAMS], count, offset, first_output, outputs; };
-double refitted(const struct system *s, const double *params, const struct fit *fit, const struct record *r,
-                const double *full, double *rms, double *fitted);
+struct job {                                       /* what is fitted to what */
+    const struct system *system;
+    const double *params;                          /* where to begin, and what is known */
+    const struct fit *fit;
+    const struct record *data;
+    const double *full;                            /* of every measured output */
+    const struct plant *with;                      /* what acts beside the base; NULL: nothing */
+    int coulomb;                                   /* 1: a Coulomb friction is fitted too, from the one in `with` */
+    int rounds;
+};
+struct best { double misfit, rms[MAX_OUTPUTS], params[MAX_PARAMS]; };
+struct best refitted(const struct job *job);
 void linear_base(const struct system *s, const double *params, const double *start, const double *u, int n, const struct fit *fit,
                  double *const *out);
 
@@ -138,9 +149,11 @@ struct hidden_case {
     struct fit fit;
     struct plant plant;
     struct effect effects[MAX_EFFECTS];
+    struct plant only[MAX_EFFECTS];                /* with one of two effects */
     struct record train, test;
-    double sigma[MAX_OUTPUTS], quantum[MAX_OUTPUTS], offset[MAX_OUTPUTS], rms[MAX_OUTPUTS];
-    double target, egnr, fitted[MAX_PARAMS];
+    double sigma[MAX_OUTPUTS], quantum[MAX_OUTPUTS], offset[MAX_OUTPUTS], target, egnr;
+    double rival[MAX_EFFECTS];                     /* EGNR that is left when all but this effect is named; 0: not examined */
+    struct best best;
     int sigma_given;
 };
 struct hidden_case made(uint64_t seed, int number);

@@ -72,7 +72,7 @@ static void memory(struct drawing *d) {
 static void growth(struct drawing *d) {
     struct plant *p = d->plant;
     p->growing = SHAPE(d, EXPONENTIAL, LOGARITHMIC);
-    p->growth = noted(d, "dF", "N", (p->Fc + p->coulomb) * share(d, 0.2, 1.5));
+    p->growth = noted(d, "dF", "N", (p->Fc + p->coulomb) * fmin(2.5, share(d, 0.2, 1.5)));
     p->growth_time = noted(d, "T", "s", d->system->dt * d->system->period * scaled(d->c, 0.1, 1.5));
 }
 

@@ -17,7 +17,12 @@
  *
  * Truth: "truth" is "none", a name, "unknown:kind" or two names joined by "+". A junction is the integrator at whose input the
  * effect acts, or the drive that it stands behind. Starts are not told to the tool. Laws that depend on time run on the clock of
- * each record; forces of chance are others in every record. Outputs of several range count alike in EGNR: each over its sigma.
+ * each record; forces of chance are others in every record. With two outputs EGNR is the rms over both, each over its sigma.
+ * "egnr_without" of one of two effects is what the best base leaves that has the other, with its true numbers: at least 15 % of
+ * EGNR, so that both are there to be found; of a falling friction alone it is what the best base with Coulomb friction leaves.
+ *
+ * What needs another effect to act on hides in a base that has it: friction-memory in slide-falling, static-friction-growth and
+ * presliding-stiffness in bases with Coulomb friction; or in a pair with it.
  */
 #include "hidden.h"
 

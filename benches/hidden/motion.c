@@ -124,21 +124,23 @@ static double bumps(const struct plant *p, double x) {
     return sum;
 }
 
-/* Force that comes from the drive: its spring and damper, or the drive itself. Backlash: nothing while the spring's end is within the play. */
+/* Force that comes from the drive: its spring and damper, or the drive itself. Backlash: the spring rests within the play; the damper
+ * lies beside it. */
 static double from_drive(const struct motion *m, double t, const double *y, double u) {
     const struct plant *p = m->p;
     if (p->system->family != SLIDE) return u;
-    double stretch = y[E], pulls = 1;
-    if (p->play_shape == DEAD_ZONE) stretch = beyond(stretch, p->play), pulls = stretch != 0;
+    double stretch = y[E];
+    if (p->play_shape == DEAD_ZONE) stretch = beyond(stretch, p->play);
     if (p->play_shape == PLAY) stretch -= along(m->r->lost, t / p->system->dt * FINE, FINE * m->r->n - 1);
-    return p->K * stretch + p->cubic * stretch * stretch * stretch + pulls * p->C * (u - y[V]);
+    return p->K * stretch + p->cubic * stretch * stretch * stretch + p->C * (u - y[V]);
 }
 
 /* Net force but for the brake. Asymmetry: the viscous coefficient differs by it between the two directions. */
 static double net_force(const struct motion *m, double t, const double *y, double drive) {
     const struct plant *p = m->p;
     double x = y[X], v = y[V];
-    double sum = drive - (p->f * thawed(p, t) + (v > 0 ? p->asymmetry : -p->asymmetry)) * v - p->quadratic * v * fabs(v) - p->k * x + force_of_time(m, t);
+    double viscous = p->f * thawed(p, t) + (v > 0 ? p->asymmetry : -p->asymmetry);
+    double sum = drive - viscous * v - p->quadratic * v * fabs(v) - p->k * x + force_of_time(m, t);
     if (p->system->family == OSCILLATOR) sum -= p->cubic * x * x * x;
     if (p->stop) sum += stop_force(p, x, v);
     if (p->bump_width > 0) sum += bumps(p, x);

@@ -2,7 +2,7 @@
  * outputs by Levenberg's and Marquardt's method. Linear bases run by their exact transition over a sample. */
 #include "hidden.h"
 
-enum { MAX_LINEAR = 4, MAX_UNKNOWNS = MAX_PARAMS + 2 + MAX_OUTPUTS };
+enum { MAX_LINEAR = 4, MAX_UNKNOWNS = MAX_PARAMS + 2 + MAX_OUTPUTS + 1 };
 
 typedef double matrix[MAX_LINEAR][MAX_LINEAR];
 
@@ -87,13 +87,11 @@ void linear_base(const struct system *s, const double *params, const double *sta
 /* ---- the fit */
 
 struct unknowns { int count; double at[MAX_UNKNOWNS], unit[MAX_UNKNOWNS], low[MAX_UNKNOWNS], high[MAX_UNKNOWNS]; };
-struct job {
-    const struct system *system;
-    const double *params, *full;
-    const struct fit *fit;
-    const struct record *data;
-    struct record run;                              /* of a base with solid friction */
-    int brake;
+struct work {
+    const struct job *job;
+    int stepped;                                    /* runs by steps: solid friction, or what acts beside the base */
+    struct record run;
+    double *base, *other, *slopes;                  /* residuals, those beside them, slopes by every unknown */
 };
 
 static void unknown(struct unknowns *u, double at, double unit, double low, double high) {
@@ -110,23 +108,30 @@ static struct unknowns unknowns_of(const struct job *j) {
     }
     for (int i = 0; i < s->states; i++) unknown(&u, j->data->start[s->free[i]], s->full[s->free[i]], -INFINITY, INFINITY);
     for (int k = 0; j->fit->offset && k < j->fit->outputs; k++) unknown(&u, 0, j->full[k], -INFINITY, INFINITY);
+    if (j->coulomb) unknown(&u, j->with->coulomb, j->with->coulomb, 0, INFINITY);
     return u;
 }
 
-/* Residuals in full scales of the outputs, one output behind the other. */
-static double residuals(struct job *j, const struct unknowns *u, double *to) {
-    const struct system *s = j->system;
+static void run_by_steps(struct work *w, const double *params, double coulomb, double *const *out) {
+    const struct job *j = w->job;
+    struct plant p = j->with ? *j->with : base_plant(j->system, params);
+    set_base(&p, params);
+    if (j->coulomb) p.coulomb = coulomb;
+    simulate(&p, &w->run, p.bristle ? TRUTH_STEPS : 2);
+    for (int k = 0; k < j->fit->outputs; k++) memcpy(out[k], w->run.out[j->fit->first_output + k], j->data->n * sizeof(double));
+}
+
+/* Residuals in full scales of the outputs, one output behind the other. Returns the sum of their squares. */
+static double residuals(struct work *w, const struct unknowns *u, double *to) {
+    const struct job *j = w->job;
     int n = j->data->n, next = j->fit->count;
     double params[MAX_PARAMS], start[2], *out[MAX_OUTPUTS], sum = 0;
     memcpy(params, j->params, sizeof params);
     for (int i = 0; i < j->fit->count; i++) params[j->fit->params[i]] = u->at[i];
-    for (int i = 0; i < s->states; i++) j->run.start[s->free[i]] = start[i] = u->at[next++];
+    for (int i = 0; i < j->system->states; i++) w->run.start[j->system->free[i]] = start[i] = u->at[next++];
     for (int k = 0; k < j->fit->outputs; k++) out[k] = to + k * n;
-    if (j->brake) {
-        struct plant p = base_plant(s, params);
-        simulate(&p, &j->run, 2);
-        for (int k = 0; k < j->fit->outputs; k++) memcpy(out[k], j->run.out[j->fit->first_output + k], n * sizeof(double));
-    } else linear_base(s, params, start, j->data->u, n, j->fit, out);
+    if (w->stepped) run_by_steps(w, params, u->at[u->count - 1], out);
+    else linear_base(j->system, params, start, j->data->u, n, j->fit, out);
     for (int k = 0; k < j->fit->outputs; k++) {
         double offset = j->fit->offset ? u->at[next++] : 0;
         for (int i = 0; i < n; i++) {
@@ -160,33 +165,31 @@ static int solved(int n, double a[MAX_UNKNOWNS][MAX_UNKNOWNS], const double *b, 
 }
 
 /* Slopes of the residuals by differences over a small share of each unknown's unit; normal equations of them. */
-static void normal(struct job *j, const struct unknowns *u, const double *base, double *slopes, double *other,
-                   double a[MAX_UNKNOWNS][MAX_UNKNOWNS], double *b) {
-    int n = j->data->n * j->fit->outputs;
-    double by = j->brake ? 1e-4 : 1e-6;
+static void normal(struct work *w, const struct unknowns *u, double a[MAX_UNKNOWNS][MAX_UNKNOWNS], double *b) {
+    int n = w->job->data->n * w->job->fit->outputs;
+    double by = w->stepped ? 1e-4 : 1e-6;
     for (int i = 0; i < u->count; i++) {
         struct unknowns moved = *u;
         double step = by * u->unit[i] * (u->at[i] + by * u->unit[i] > u->high[i] ? -1 : 1);
         moved.at[i] += step;
-        residuals(j, &moved, other);
-        for (int k = 0; k < n; k++) slopes[i * n + k] = (other[k] - base[k]) / (step / u->unit[i]);
+        residuals(w, &moved, w->other);
+        for (int k = 0; k < n; k++) w->slopes[i * n + k] = (w->other[k] - w->base[k]) / (step / u->unit[i]);
     }
     for (int i = 0; i < u->count; i++) {
         b[i] = 0;
-        for (int k = 0; k < n; k++) b[i] -= slopes[i * n + k] * base[k];
+        for (int k = 0; k < n; k++) b[i] -= w->slopes[i * n + k] * w->base[k];
         for (int m = 0; m <= i; m++) {
             double sum = 0;
-            for (int k = 0; k < n; k++) sum += slopes[i * n + k] * slopes[m * n + k];
+            for (int k = 0; k < n; k++) sum += w->slopes[i * n + k] * w->slopes[m * n + k];
             a[i][m] = a[m][i] = sum;
         }
     }
 }
 
 /* One step downhill: more damping until it leads down. Returns the share by which the sum of squares fell. */
-static double improved(struct job *j, struct unknowns *u, double *base, double *sum, double *damping, double *slopes, double *other) {
+static double improved(struct work *w, struct unknowns *u, double *sum, double *damping) {
     double a[MAX_UNKNOWNS][MAX_UNKNOWNS], b[MAX_UNKNOWNS], x[MAX_UNKNOWNS];
-    int n = j->data->n * j->fit->outputs;
-    normal(j, u, base, slopes, other, a, b);
+    normal(w, u, a, b);
     for (int tries = 0; tries < 8; tries++, *damping *= 10) {
         double damped[MAX_UNKNOWNS][MAX_UNKNOWNS];
         memcpy(damped, a, sizeof a);
@@ -194,40 +197,53 @@ static double improved(struct job *j, struct unknowns *u, double *base, double *
         if (!solved(u->count, damped, b, x)) continue;
         struct unknowns moved = *u;
         for (int i = 0; i < u->count; i++) moved.at[i] = fmax(u->low[i], fmin(u->high[i], u->at[i] + x[i] * u->unit[i]));
-        double now = residuals(j, &moved, other);
+        double now = residuals(w, &moved, w->other);
         if (!(now < *sum)) continue;
-        double share = (*sum - now) / *sum;
+        double share = (*sum - now) / *sum, *kept = w->base;
         *u = moved, *sum = now, *damping = fmax(1e-12, *damping / 30);
-        memcpy(base, other, n * sizeof(double));
+        w->base = w->other, w->other = kept;
         return share;
     }
     return 0;
 }
 
-/* Rms that the best base leaves, as a share of full (one number an output); rms of every output alone in its unit; its parameters. */
-double refitted(const struct system *s, const double *params, const struct fit *fit, const struct record *r,
-                const double *full, double *rms, double *fitted) {
-    struct plant p = base_plant(s, params);
-    struct job job = {s, params, full, fit, r, {0}, has_brake(&p)};
-    int n = r->n * fit->outputs;
-    struct unknowns u = unknowns_of(&job);
-    double *base = calloc(n, sizeof(double)), *other = calloc(n, sizeof(double)), *slopes = calloc((size_t)n * u.count, sizeof(double));
-    if (job.brake) {
-        job.run = new_record(r->n);
-        memcpy(job.run.u, r->u, r->n * sizeof(double));
-        through_chain(&p, &job.run);
-    }
-    double sum = residuals(&job, &u, base), damping = 1e-6;
-    for (int round = 0; round < 30 && sum > 1e-24 * n; round++)
-        if (improved(&job, &u, base, &sum, &damping, slopes, other) < 1e-5) break;
-    for (int k = 0; k < fit->outputs; k++) {
+static struct best downhill(struct work *w, struct unknowns u) {
+    const struct job *j = w->job;
+    int n = j->data->n;
+    double sum = residuals(w, &u, w->base), damping = 1e-6;
+    struct best best = {0};
+    for (int round = 0; round < j->rounds && sum > 1e-24 * n; round++)
+        if (improved(w, &u, &sum, &damping) < 1e-5) break;
+    best.misfit = sqrt(sum / (n * j->fit->outputs));
+    for (int k = 0; k < j->fit->outputs; k++) {
         double squares = 0;
-        for (int i = 0; i < r->n; i++) squares += base[k * r->n + i] * base[k * r->n + i];
-        rms[k] = full[k] * sqrt(squares / r->n);
+        for (int i = 0; i < n; i++) squares += w->base[k * n + i] * w->base[k * n + i];
+        best.rms[k] = j->full[k] * sqrt(squares / n);
     }
-    memcpy(fitted, params, MAX_PARAMS * sizeof(double));
-    for (int i = 0; i < fit->count; i++) fitted[fit->params[i]] = u.at[i];
-    free(base), free(other), free(slopes);
-    if (job.brake) free_record(&job.run);
-    return sqrt(sum / n);
+    memcpy(best.params, j->params, sizeof best.params);
+    for (int i = 0; i < j->fit->count; i++) best.params[j->fit->params[i]] = u.at[i];
+    return best;
+}
+
+/* What the best model leaves: rms as a share of full, rms of every output in its unit, its parameters. Linear bases begin at the
+ * true parameters and at eight places beside them; others, which take a hundred times longer, at the true ones. */
+struct best refitted(const struct job *job) {
+    struct plant plain = base_plant(job->system, job->params);
+    const struct plant *p = job->with ? job->with : &plain;
+    struct unknowns u = unknowns_of(job);
+    size_t n = (size_t)job->data->n * job->fit->outputs;
+    struct work w = {job, job->with || has_brake(p), new_record(job->data->n), malloc(n * sizeof(double)), malloc(n * sizeof(double)),
+                     malloc(n * u.count * sizeof(double))};
+    memcpy(w.run.u, job->data->u, job->data->n * sizeof(double));
+    through_chain(p, &w.run);
+    struct best best = downhill(&w, u);
+    for (int start = 0; start < (w.stepped ? 0 : 8); start++) {
+        struct unknowns beside = u;
+        for (int i = 0; i < job->fit->count; i++)
+            beside.at[i] = fmax(u.low[i], fmin(u.high[i], u.at[i] * (start >> i & 1 ? 1.15 : 0.87)));
+        struct best other = downhill(&w, beside);
+        if (other.misfit < best.misfit) best = other;
+    }
+    free_record(&w.run), free(w.base), free(w.other), free(w.slopes);
+    return best;
 }

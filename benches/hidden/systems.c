@@ -52,16 +52,20 @@ int params_of(const struct system *s) {
     return n;
 }
 
+void set_base(struct plant *p, const double *params) {
+    struct { const char *name; double *place; } names[] = {
+        {"M", &p->M}, {"K", &p->K}, {"k", &p->k}, {"f", &p->f}, {"c", &p->f}, {"Fc", &p->Fc}, {"Fs", &p->Fs}, {"VcL", &p->VcL},
+        {"ku", &p->ku}, {"R1", &p->R1}, {"R2", &p->R2}, {"C", &p->capacity}, {"G", &p->G}};
+    for (int i = 0; i < params_of(p->system); i++)
+        for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+            if (!strcmp(p->system->params[i].name, names[k].name)) *names[k].place = params[i];
+}
+
 /* Damping of the slide's drive and areas of the tanks are known: they stand in the patches as numbers. */
 struct plant base_plant(const struct system *s, const double *params) {
     struct plant p = {.system = s, .mass_factor = 1, .A1 = 0.02, .A2 = 0.03};
     if (s->family == SLIDE) p.C = 12e3;
-    struct { const char *name; double *place; } names[] = {
-        {"M", &p.M}, {"K", &p.K}, {"k", &p.k}, {"f", &p.f}, {"c", &p.f}, {"Fc", &p.Fc}, {"Fs", &p.Fs}, {"VcL", &p.VcL},
-        {"ku", &p.ku}, {"R1", &p.R1}, {"R2", &p.R2}, {"C", &p.capacity}, {"G", &p.G}};
-    for (int i = 0; i < params_of(s); i++)
-        for (size_t k = 0; k < sizeof names / sizeof *names; k++)
-            if (!strcmp(s->params[i].name, names[k].name)) *names[k].place = params[i];
+    set_base(&p, params);
     return p;
 }
 

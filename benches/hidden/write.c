@@ -53,8 +53,10 @@ static void write_experiment(const struct hidden_case *c, const char *path, cons
     closed(file, path);
 }
 
-static void write_effect(FILE *file, const struct effect *e, int more) {
-    fprintf(file, "    {\"name\": \"%s\", \"junction\": \"%s\", \"shape\": \"%s\", \"parameters\": {", e->name, e->junction, e->shape);
+static void write_effect(FILE *file, const struct effect *e, double rival, int more) {
+    fprintf(file, "    {\"name\": \"%s\", \"junction\": \"%s\", \"shape\": \"%s\", ", e->name, e->junction, e->shape);
+    if (rival > 0) fprintf(file, "\"egnr_without\": %.6g, ", rival);
+    fprintf(file, "\"parameters\": {");
     for (int i = 0; i < e->n; i++)
         fprintf(file, "%s\"%s\": {\"value\": %.10g, \"unit\": \"%s\"}", i ? ", " : "", e->q[i].name, e->q[i].value, e->q[i].unit);
     fprintf(file, "}}%s\n", more ? "," : "");
@@ -64,7 +66,7 @@ static void write_names(FILE *file, const struct hidden_case *c) {
     fprintf(file, "  \"truth\": \"");
     for (int i = 0; i < c->plan.count; i++) fprintf(file, "%s%s", i ? "+" : "", c->effects[i].name);
     fprintf(file, "%s\",\n  \"effects\": [%s", c->plan.count ? "" : "none", c->plan.count ? "\n" : "");
-    for (int i = 0; i < c->plan.count; i++) write_effect(file, &c->effects[i], i + 1 < c->plan.count);
+    for (int i = 0; i < c->plan.count; i++) write_effect(file, &c->effects[i], c->rival[i], i + 1 < c->plan.count);
     fprintf(file, "%s],\n", c->plan.count ? "  " : "");
 }
 
@@ -75,7 +77,7 @@ static void write_base(FILE *file, const struct hidden_case *c) {
         int fitted = 0;
         for (int k = 0; k < c->fit.count; k++) fitted |= c->fit.params[k] == i;
         fprintf(file, "%s\n    \"%s\": {\"value\": %.10g, \"unit\": \"%s\", \"fitted\": %s, \"best_base\": %.10g}", i ? "," : "", s->params[i].name,
-                c->params[i], s->params[i].unit, fitted ? "true" : "false", c->plan.count ? c->fitted[i] : c->params[i]);
+                c->params[i], s->params[i].unit, fitted ? "true" : "false", c->plan.count ? c->best.params[i] : c->params[i]);
     }
     fprintf(file, "\n  },\n");
 }
@@ -100,7 +102,7 @@ static void write_truth(const struct hidden_case *c, const char *path) {
     fprintf(file, "  \"outputs\": {");
     for (int k = 0; k < c->fit.outputs; k++)
         fprintf(file, "%s\n    \"%s\": {\"sigma\": %.10g, \"quantum\": %.10g, \"offset\": %.10g, \"base_leaves\": %.10g}", k ? "," : "", output_name(c, k),
-                c->sigma[k], c->quantum[k], c->offset[k], c->plan.count ? c->rms[k] : 0);
+                c->sigma[k], c->quantum[k], c->offset[k], c->best.rms[k]);
     fprintf(file, "\n  },\n  \"egnr_asked\": %.6g,\n  \"egnr\": %.6g\n}\n", c->plan.count ? c->target : 0, c->egnr);
     closed(file, path);
 }
