@@ -28,6 +28,7 @@ extern crate self as patchcord;
 pub mod chain;
 pub mod circuit;
 pub mod elements;
+pub mod gap;
 mod grid;
 pub mod instruments;
 mod kernel;

@@ -2,6 +2,9 @@
 //!
 //! `PATCHCORD_BLESS=1 cargo test --test bad_patches` rewrites the reports and docs/diagnostics.md.
 
+#[path = "gap/bad.rs"]
+mod experiments;
+
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -56,14 +59,17 @@ fn every_bad_patch_gets_its_report() {
 }
 
 #[test]
-fn every_code_has_a_bad_patch() {
-    let shown: HashSet<Code> = bad_patches()
-        .iter()
-        .flat_map(|(name, text)| report(name, text).findings)
-        .map(|finding| finding.code)
-        .collect();
+fn every_code_has_a_bad_patch_or_experiment() {
+    let of_patches = bad_patches();
+    let of_patches = of_patches.iter().flat_map(|(name, text)| report(name, text).findings);
+    let of_experiments = experiments::bad().into_iter().flat_map(|path| experiments::report(&path).findings);
+    let shown: HashSet<Code> = of_patches.chain(of_experiments).map(|finding| finding.code).collect();
     let missing: Vec<_> = Code::ALL.iter().filter(|code| !shown.contains(code)).collect();
-    assert!(missing.is_empty(), "no patch in {FOLDER} gets {missing:?}");
+    assert!(
+        missing.is_empty(),
+        "no patch in {FOLDER} and no experiment in {} gets {missing:?}",
+        experiments::FOLDER
+    );
 }
 
 #[test]
@@ -285,16 +291,18 @@ fn diagnostics_page() -> String {
     let rows: String = Code::ALL.iter().map(|code| row(*code)).collect();
     format!(
         "# Diagnostics\n\n\
-         What patchcord says about a patch that it cannot run, or that it runs with a doubt. All findings come \
+         What patchcord says about a patch that it cannot run, or that it runs with a doubt, and about the experiments of \
+         [gap.md](gap.md). All findings come \
          at once, each with a code that never changes, its place in the file, what is wrong, and what to \
          do:\n\n```text\n{example}\n```\n\n\
          An *error* stops the patch; a *warning* does not. With `--json` every finding is an object of `code`, \
          `severity`, `file`, `line`, `column`, `message` and `hint`. The terminal shows the first 50 findings and \
          says how many more there are; `--json` gives all of them. For every code there are patches in \
-         `{FOLDER}`, named after it, each beside the report that it gets. What keeps a run from beginning or from going \
+         `{FOLDER}`, or experiments in `{}`, named after it, each beside the report that it gets. What keeps a run from beginning or from going \
          on has codes of its own: [patch-format.md](patch-format.md#the-recorded-table) lists them.\n\n\
          | code | severity | meaning | what to do |\n|---|---|---|---|\n{rows}\n\
-         This page is written by `PATCHCORD_BLESS=1 cargo test --test bad_patches`.\n"
+         This page is written by `PATCHCORD_BLESS=1 cargo test --test bad_patches`.\n",
+        experiments::FOLDER
     )
 }
 

@@ -119,6 +119,26 @@ codes! {
         "bring the gain of the loop under 1, or invert it once more";
     LoopTooTangled "loop-too-tangled" Error "Loops without an integrator that are too tangled to be opened one after the other."
         "put an integrator or a lag into some of the loops";
+    BadPatch "bad-patch" Error "The patch that an experiment names cannot be read, or is wrong."
+        "`patchcord check` tells what is wrong with a patch";
+    BadData "bad-data" Error "A file of measured data cannot be read, or does not hold what is needed."
+        "data are a CSV file: a line of names, and a line of numbers for every sample";
+    UnevenSampling "uneven-sampling" Error "Samples that are not evenly spaced."
+        "interpolate the data onto even times; whole rows may be missing";
+    TooFewSamples "too-few-samples" Error "Too few samples to train or to test on."
+        "record for longer or more often, or widen the range";
+    ConstantColumn "constant-column" Error "A column that never moves, and so tells nothing."
+        "name the column that was meant";
+    NotFittable "not-fittable" Error "A parameter that cannot be fitted."
+        "fit another one, or give it a range";
+    SamplingGap "sampling-gap" Warning "Rows that are missing between others."
+        "look whether the recorder lost them; what was measured then is left out";
+    SharedSamples "shared-samples" Warning "Samples that are both trained and tested on."
+        "keep the two apart: what was fitted to proves nothing";
+    StillPart "still-part" Warning "A column that does not move in the part to train on."
+        "train on a part in which it does";
+    BeyondScale "beyond-scale" Warning "Data for which 100 V of their scale are not enough."
+        "let a volt of the scale stand for more";
 }
 
 #[cfg(test)]

@@ -1,16 +1,17 @@
-//! Two columns of a CSV file, read line by line.
+//! Columns of a CSV file, read line by line.
 
 use std::fs::File;
 use std::io::{BufRead as _, BufReader, ErrorKind};
 use std::path::Path;
+use std::rc::Rc;
 
 use super::diagnostic::suggestion;
 use crate::output::refusal;
 
 /// Bytes of the largest file that is read.
 const LARGEST: u64 = 100_000_000;
-/// More points than this would make a run that nobody waits for: every one ends a step.
-const MOST_POINTS: usize = 2_000_000;
+/// More rows than this would make a run that nobody waits for: every one ends a step.
+const MOST_ROWS: usize = 2_000_000;
 /// After so many faults the rest of a file is not read.
 const MOST_FAULTS: usize = 10;
 
@@ -19,46 +20,58 @@ const NO_TEXT: &str = "name a CSV file, saved with the encoding UTF-8";
 
 /// What is wrong with a file.
 #[derive(Debug, PartialEq)]
-pub(super) struct Fault {
+pub(crate) struct Fault {
     pub message: String,
     pub hint: String,
-    /// The axis whose column it is about, if it is about one: 0 or 1.
-    pub axis: Option<usize>,
+    /// Which of the columns asked for it is about, if it is about one.
+    pub column: Option<usize>,
 }
 
 impl Fault {
     pub fn new(message: impl Into<String>, hint: impl Into<String>) -> Self {
-        Fault { message: message.into(), hint: hint.into(), axis: None }
+        Fault { message: message.into(), hint: hint.into(), column: None }
     }
 }
 
 /// A unit as a comment line tells it.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Told {
+pub(crate) struct Told {
     pub text: String,
     /// The line of the file, from 1.
     pub line: usize,
 }
 
-/// The numbers of two columns.
-#[derive(Debug, Default)]
-pub(super) struct Rows {
-    pub points: Vec<[f64; 2]>,
-    /// The line that each stands in, from 1.
-    pub lines: Vec<usize>,
-    /// The names of the two columns.
-    pub names: [String; 2],
-    /// The names of all columns.
-    pub all_names: Vec<String>,
-    /// The units that comment lines `# name: unit` tell for them.
-    pub units: [Option<Told>; 2],
+/// A column that is asked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Asked<'a> {
+    /// That of this name.
+    Named(&'a str),
+    /// The first.
+    First,
+    /// The one to the right of the column asked for before.
+    Beside,
 }
 
-/// Reads the columns of these names; without names the first column, and the one beside the column along x.
+/// The numbers of the columns asked for.
+#[derive(Debug, Default)]
+pub(crate) struct Rows {
+    /// Those of each column, row by row.
+    pub columns: Vec<Vec<f64>>,
+    /// The line that each row stands in, from 1.
+    pub lines: Vec<usize>,
+    /// The names of the columns.
+    pub names: Vec<String>,
+    /// The names of all columns of the file.
+    pub all_names: Vec<String>,
+    /// The units that comment lines `# name: unit` tell for the columns.
+    pub units: Vec<Option<Told>>,
+}
+
+/// Reads columns of a file.
 ///
 /// # Errors
 /// Everything that is wrong with the file, or the first things.
-pub(super) fn read(path: &Path, asked: [Option<&str>; 2]) -> Result<Rows, Vec<Fault>> {
+pub(crate) fn read(path: &Path, asked: &[Asked<'_>]) -> Result<Rows, Vec<Fault>> {
     let mut lines = BufReader::new(open(path).map_err(|fault| vec![fault])?);
     let mut reader = Reader {
         path,
@@ -66,6 +79,7 @@ pub(super) fn read(path: &Path, asked: [Option<&str>; 2]) -> Result<Rows, Vec<Fa
         number: 0,
         comments: Vec::new(),
         columns: None,
+        row: Vec::new(),
         rows: Rows::default(),
         faults: Vec::new(),
     };
@@ -95,7 +109,7 @@ fn open(path: &Path) -> Result<File, Fault> {
 
 fn unreadable(path: &Path, error: &std::io::Error) -> Fault {
     if error.kind() == ErrorKind::NotFound {
-        let hint = "a table's file is looked for from the folder in which the patch lies";
+        let hint = "a file is looked for from the folder of the document that names it";
         return Fault::new(format!("there is no file {}", path.display()), hint);
     }
     Fault::new(
@@ -106,26 +120,29 @@ fn unreadable(path: &Path, error: &std::io::Error) -> Fault {
 
 struct Reader<'a> {
     path: &'a Path,
-    asked: [Option<&'a str>; 2],
+    asked: &'a [Asked<'a>],
     /// Of the line that is being read.
     number: usize,
     /// Name and unit, as comment lines above the names tell them.
     comments: Vec<(String, Told)>,
     columns: Option<Columns>,
+    /// The numbers of the line that is being read.
+    row: Vec<f64>,
     rows: Rows,
     faults: Vec<Fault>,
 }
 
-#[derive(Clone, Copy)]
+/// How many columns a file has, and which of them were asked for.
+#[derive(Clone)]
 struct Columns {
     count: usize,
-    places: [usize; 2],
+    places: Rc<[usize]>,
 }
 
 impl Reader<'_> {
     /// Whether the rest of the file is of no use: a file whose first row is wrong may be no table at all.
     fn is_lost(&self) -> bool {
-        let is_table = self.columns.is_some() && !self.rows.points.is_empty();
+        let is_table = self.columns.is_some() && !self.rows.lines.is_empty();
         self.faults.len() >= MOST_FAULTS || (!is_table && !self.faults.is_empty())
     }
 
@@ -151,9 +168,9 @@ impl Reader<'_> {
                 .extend(comment.split_once(':').map(|(name, unit)| (name.trim().to_owned(), told(unit))));
         } else if !text.trim().is_empty() {
             let fields = fields(text);
-            match self.columns {
+            match self.columns.clone() {
                 None => self.names(&fields),
-                Some(columns) => self.row(columns, &fields),
+                Some(columns) => self.row(&columns, &fields),
             }
         }
     }
@@ -176,27 +193,44 @@ impl Reader<'_> {
                 "begin with a line of names, such as t,x",
             );
         }
-        let Some(x) = self.column(fields, 0, Some(0)) else { return };
-        let Some(y) = self.column(fields, 1, Some(x + 1).filter(|beside| *beside < fields.len())) else {
-            return;
-        };
-        self.columns = Some(Columns { count: fields.len(), places: [x, y] });
-        self.rows.names = [x, y].map(|place| fields[place].clone());
+        let mut places = Vec::new();
+        for (index, asked) in self.asked.iter().enumerate() {
+            places.push(self.column(fields, index, *asked, places.last().copied().flatten()));
+        }
+        let Some(places) = places.into_iter().collect::<Option<Rc<[usize]>>>() else { return };
+        self.rows.columns = vec![Vec::new(); places.len()];
+        self.rows.names = places.iter().map(|place| fields[*place].clone()).collect();
         self.rows.all_names = fields.to_vec();
         let unit = |name: &String| {
             self.comments.iter().rev().find(|(told, _)| told == name).map(|(_, unit)| unit.clone())
         };
-        self.rows.units = self.rows.names.each_ref().map(unit);
+        self.rows.units = self.rows.names.iter().map(unit).collect();
+        self.columns = Some(Columns { count: fields.len(), places });
     }
 
-    /// The place of the column along an axis.
-    fn column(&mut self, fields: &[String], axis: usize, unnamed: Option<usize>) -> Option<usize> {
-        let Some(name) = self.asked[axis] else {
-            if unnamed.is_none() {
-                self.fault("names no column beside the one along x", "a table needs two columns");
+    /// The place of a column that is asked for.
+    fn column(
+        &mut self,
+        fields: &[String],
+        index: usize,
+        asked: Asked<'_>,
+        before: Option<usize>,
+    ) -> Option<usize> {
+        match asked {
+            Asked::Named(name) => self.named(fields, index, name),
+            Asked::First => Some(0),
+            Asked::Beside => {
+                // Where the column before is not there, that has been told.
+                let beside = before? + 1;
+                if beside == fields.len() {
+                    self.fault("names no column beside the one along x", "a table needs two columns");
+                }
+                Some(beside).filter(|beside| *beside < fields.len())
             }
-            return unnamed;
-        };
+        }
+    }
+
+    fn named(&mut self, fields: &[String], index: usize, name: &str) -> Option<usize> {
         let mut found = fields.iter().enumerate().filter(|(_, field)| *field == name).map(|(place, _)| place);
         let (first, second) = (found.next(), found.next());
         let (what, hint) = match first {
@@ -205,40 +239,47 @@ impl Reader<'_> {
             None => ("names no column", told_names(name, fields)),
         };
         let message = format!("line {} of {} {what} \"{name}\"", self.number, self.path.display());
-        self.faults.push(Fault { axis: Some(axis), ..Fault::new(message, hint) });
+        self.faults.push(Fault { column: Some(index), ..Fault::new(message, hint) });
         None
     }
 
-    fn row(&mut self, columns: Columns, fields: &[String]) {
+    fn row(&mut self, columns: &Columns, fields: &[String]) {
         if fields.len() != columns.count {
             let what = format!("has {} fields, and the line of names {}", fields.len(), columns.count);
             return self.fault(&what, "write points in the numbers, not commas, and a field for every name");
         }
-        let mut point = [0.0; 2];
-        for (number, place) in point.iter_mut().zip(columns.places) {
-            match fields[place].parse::<f64>().ok().filter(|number| number.is_finite()) {
-                Some(read) => *number = read,
-                None => return self.no_number(&fields[place]),
+        self.row.clear();
+        for (index, place) in columns.places.iter().enumerate() {
+            match fields[*place].parse::<f64>().ok().filter(|number| number.is_finite()) {
+                Some(read) => self.row.push(read),
+                None => return self.no_number(index, &fields[*place]),
             }
         }
-        if self.rows.points.len() == MOST_POINTS {
+        if self.rows.lines.len() == MOST_ROWS {
             self.columns = None;
             return self.fault(
-                &format!("is beyond the {MOST_POINTS} points that a table may have"),
+                &format!("is beyond the {MOST_ROWS} rows that a table may have"),
                 "record less often",
             );
         }
-        self.rows.points.push(point);
+        for (column, number) in self.rows.columns.iter_mut().zip(&self.row) {
+            column.push(*number);
+        }
         self.rows.lines.push(self.number);
     }
 
-    fn no_number(&mut self, field: &str) {
+    fn no_number(&mut self, index: usize, field: &str) {
         let hint = if field.contains(',') {
             "write 0.5, not 0,5"
         } else {
-            "every row needs a finite number in each of the two columns"
+            "every row needs a finite number in each column that is read"
         };
-        self.fault(&format!("has \"{}\" where a number is needed", excerpt(field)), hint);
+        // What was not asked for by name may be no table at all, and is not shown.
+        let column = match self.asked[index] {
+            Asked::Named(name) => format!(", in the column {name}"),
+            Asked::First | Asked::Beside => String::new(),
+        };
+        self.fault(&format!("has \"{}\" where a number is needed{column}", excerpt(field)), hint);
     }
 
     fn finish(mut self) -> Result<Rows, Vec<Fault>> {
@@ -268,7 +309,7 @@ fn told_names(name: &str, fields: &[String]) -> String {
 const LONGEST_EXCERPT: usize = 30;
 
 /// The beginning of a field.
-pub(super) fn excerpt(field: &str) -> String {
+pub(crate) fn excerpt(field: &str) -> String {
     let shown: String = field.chars().take(LONGEST_EXCERPT).collect();
     if shown.len() < field.len() { format!("{shown}...") } else { shown }
 }
@@ -296,35 +337,63 @@ fn fields(text: &str) -> Vec<String> {
 mod tests {
     use super::*;
 
-    fn rows(text: &str, asked: [Option<&str>; 2]) -> Result<Rows, Vec<Fault>> {
+    const UNNAMED: [Asked<'_>; 2] = [Asked::First, Asked::Beside];
+
+    fn rows(text: &str, asked: &[Asked<'_>]) -> Result<Rows, Vec<Fault>> {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), text).unwrap();
         read(file.path(), asked)
     }
 
-    fn points(text: &str, asked: [Option<&str>; 2]) -> Vec<[f64; 2]> {
-        rows(text, asked).unwrap_or_else(|faults| panic!("{faults:?}")).points
+    fn columns(text: &str, asked: &[Asked<'_>]) -> Vec<Vec<f64>> {
+        rows(text, asked).unwrap_or_else(|faults| panic!("{faults:?}")).columns
     }
 
     #[test]
     fn columns_are_found_by_name_or_are_the_first_two() {
         let text = "t,x,v\n0,1,2\n1,3,4\n";
-        assert_eq!(points(text, [None, None]), [[0.0, 1.0], [1.0, 3.0]]);
-        assert_eq!(points(text, [Some("t"), Some("v")]), [[0.0, 2.0], [1.0, 4.0]]);
-        assert_eq!(points(text, [Some("x"), None]), [[1.0, 2.0], [3.0, 4.0]], "the one beside it");
+        let named = Asked::Named;
+        assert_eq!(columns(text, &UNNAMED), [[0.0, 1.0], [1.0, 3.0]]);
+        assert_eq!(columns(text, &[named("t"), named("v")]), [[0.0, 1.0], [2.0, 4.0]]);
+        assert_eq!(
+            columns(text, &[named("x"), Asked::Beside]),
+            [[1.0, 3.0], [2.0, 4.0]],
+            "the one beside it"
+        );
+        assert_eq!(
+            columns(text, &[named("v"), named("t"), named("v")]),
+            [[2.0, 4.0], [0.0, 1.0], [2.0, 4.0]]
+        );
+    }
+
+    #[test]
+    fn the_column_asked_for_by_name_is_told() {
+        let faults = rows("t,x\n0,1\n1,\n", &[Asked::First, Asked::Named("x")]).unwrap_err();
+        assert!(
+            faults[0].message.ends_with("has \"\" where a number is needed, in the column x"),
+            "{faults:?}"
+        );
+    }
+
+    #[test]
+    fn every_column_that_is_missing_is_told() {
+        let faults =
+            rows("t,x\n0,1\n", &[Asked::Named("y"), Asked::Named("t"), Asked::Named("z")]).unwrap_err();
+        let told: Vec<_> = faults.iter().map(|fault| fault.column).collect();
+        assert_eq!(told, [Some(0), Some(2)], "{faults:?}");
     }
 
     #[test]
     fn marks_line_ends_quotes_blanks_and_comments_are_read_over() {
         let text = "\u{feff}# made by hand\r\n# t: s\r\n# \"force\": N\r\n\"t\",\"a force\"\r\n\r\n0, 1e3\r\n# more\r\n  \r\n\"+.5\", -2";
-        let rows = rows(text, [None, Some("a force")]).unwrap();
-        assert_eq!((rows.points, rows.lines), (vec![[0.0, 1000.0], [0.5, -2.0]], vec![6, 9]));
+        let rows = rows(text, &[Asked::First, Asked::Named("a force")]).unwrap();
+        assert_eq!((rows.columns, rows.lines), (vec![vec![0.0, 0.5], vec![1000.0, -2.0]], vec![6, 9]));
         assert_eq!(rows.units, [Some(Told { text: "s".to_owned(), line: 2 }), None]);
     }
 
     /// The only fault of a table.
     fn told(text: &str) -> String {
-        let faults = rows(text, [None, None]).unwrap_err();
+        let faults = rows(text, &UNNAMED).unwrap_err();
         assert_eq!(faults.len(), 1, "{faults:?}");
         let path =
             faults[0].message.split(' ').find(|word| word.starts_with('/')).unwrap_or_default().to_owned();
@@ -358,7 +427,7 @@ mod tests {
     fn bytes_that_are_no_text_are_told_with_their_line() {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), b"t,x\n0,1\n1,\xe9\n").unwrap();
-        let faults = read(file.path(), [None, None]).unwrap_err();
+        let faults = read(file.path(), &UNNAMED).unwrap_err();
         assert!(
             faults[0].message.starts_with("line 3 of ") && faults[0].hint.contains("UTF-8"),
             "{faults:?}"
@@ -367,7 +436,7 @@ mod tests {
 
     #[test]
     fn the_first_ten_faults_are_told() {
-        let faults = rows(&format!("t,x\n0,1\n{}", "a,b\n".repeat(1000)), [None, None]).unwrap_err();
+        let faults = rows(&format!("t,x\n0,1\n{}", "a,b\n".repeat(1000)), &UNNAMED).unwrap_err();
         assert_eq!(faults.len(), MOST_FAULTS);
     }
 
@@ -375,8 +444,8 @@ mod tests {
     fn of_a_file_that_is_no_table_no_more_than_a_field_is_shown() {
         let users = "root:x:0:0:Charlie,,:/root:/bin/sh\nann:x:1:1:Ann,Room 7,:/home/ann:/bin/sh\n";
         let notes = format!("to do,when\n{},today\n{},later\n", "call the office ".repeat(9), "rest");
-        for (text, asked) in [(users, [Some("t"), None]), (users, [None, None]), (&notes, [None, None])] {
-            let faults = rows(text, asked).unwrap_err();
+        for (text, first) in [(users, Asked::Named("t")), (users, Asked::First), (&notes, Asked::First)] {
+            let faults = rows(text, &[first, Asked::Beside]).unwrap_err();
             assert_eq!(faults.len(), 1, "{faults:?}");
             let told = format!("{} {}", faults[0].message, faults[0].hint);
             let shown = ["Charlie", "Room", "call the office call the office call", "rest"];
@@ -387,8 +456,8 @@ mod tests {
     #[test]
     fn a_folder_and_an_endless_table_are_refused() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(read(folder.path(), [None, None]).unwrap_err()[0].message.ends_with("is no file"));
-        let endless = "t,x\n".to_owned() + &"0,1\n".repeat(MOST_POINTS + 1);
-        assert!(told(&endless).contains("beyond the 2000000 points"), "{}", told(&endless));
+        assert!(read(folder.path(), &UNNAMED).unwrap_err()[0].message.ends_with("is no file"));
+        let endless = "t,x\n".to_owned() + &"0,1\n".repeat(MOST_ROWS + 1);
+        assert!(told(&endless).contains("beyond the 2000000 rows"), "{}", told(&endless));
     }
 }

@@ -117,7 +117,7 @@ fn parameter(named: &tree::Entry, findings: &mut Findings) -> Option<Parameter> 
     let place = fields.need("value", "a number in the unit of the parameter");
     let value = place.and_then(|node| number(node, "value", findings));
     let unit = unit(&mut fields, findings);
-    let range = fields.take("range").and_then(|node| range(node, findings));
+    let range = fields.take("range").and_then(|node| range(node, "range", findings));
     let description = fields.text("description", findings);
     fields.text("note", findings);
     fields.finish(findings);
@@ -125,14 +125,15 @@ fn parameter(named: &tree::Entry, findings: &mut Findings) -> Option<Parameter> 
     Some(Parameter { value: value?, unit: unit?, range, description, span, value_span: place?.span })
 }
 
-fn range(node: &Node, findings: &mut Findings) -> Option<(f64, f64)> {
-    let bounds = list(node, "range", findings)?;
+/// A list of two numbers, least and largest.
+pub(crate) fn range(node: &Node, key: &str, findings: &mut Findings) -> Option<(f64, f64)> {
+    let bounds = list(node, key, findings)?;
     let [low, high] = bounds else {
-        let message = "\"range\" is a list of two numbers, least and largest";
+        let message = format!("\"{key}\" is a list of two numbers, least and largest");
         findings.push(Diagnostic::at(Code::WrongType, node.span, message));
         return None;
     };
-    let (low, high) = (number(low, "range", findings)?, number(high, "range", findings)?);
+    let (low, high) = (number(low, key, findings)?, number(high, key, findings)?);
     if low > high {
         let message = format!("the least value {low} is above the largest {high}");
         let hint = "a range begins with the least value";
@@ -155,6 +156,11 @@ fn scale(named: &tree::Entry, findings: &mut Findings) -> Option<Scale> {
 
 pub(super) fn unit(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Unit> {
     let node = fields.need("unit", "such as \"N s/m\", or \"1\" for a pure number")?;
+    unit_of(node, findings)
+}
+
+/// The unit that a text tells.
+pub(crate) fn unit_of(node: &Node, findings: &mut Findings) -> Option<Unit> {
     let text = word(node, "unit", findings)?;
     Unit::parse(&text.value)
         .map_err(|error| {

@@ -9,9 +9,9 @@ use super::tree::{self, Content, Node};
 use super::units::nearest;
 
 /// What was found wrong so far.
-pub(super) type Findings = Vec<Diagnostic>;
+pub(crate) type Findings = Vec<Diagnostic>;
 
-pub(super) fn number(node: &Node, key: &str, findings: &mut Findings) -> Option<f64> {
+pub(crate) fn number(node: &Node, key: &str, findings: &mut Findings) -> Option<f64> {
     let Content::Number(text) = &node.value else {
         findings.push(wrong_type(node, key, "a number", &node.value));
         return None;
@@ -19,13 +19,13 @@ pub(super) fn number(node: &Node, key: &str, findings: &mut Findings) -> Option<
     let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
     if value.is_none() {
         let message = format!("{text} is too large to hold");
-        let hint = "every number of a patch must be finite";
+        let hint = "every number must be finite";
         findings.push(Diagnostic::at(Code::NotFinite, node.span, message).hint(hint));
     }
     value
 }
 
-pub(super) fn flag(node: &Node, key: &str, findings: &mut Findings) -> Option<bool> {
+pub(crate) fn flag(node: &Node, key: &str, findings: &mut Findings) -> Option<bool> {
     let Content::Flag(flag) = node.value else {
         findings.push(wrong_type(node, key, "true or false", &node.value));
         return None;
@@ -33,7 +33,7 @@ pub(super) fn flag(node: &Node, key: &str, findings: &mut Findings) -> Option<bo
     Some(flag)
 }
 
-pub(super) fn word(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<String>> {
+pub(crate) fn word(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<String>> {
     let Content::Text(text) = &node.value else {
         findings.push(wrong_type(node, key, "a text", &node.value));
         return None;
@@ -42,7 +42,7 @@ pub(super) fn word(node: &Node, key: &str, findings: &mut Findings) -> Option<Pl
 }
 
 /// A number above 0 under a key.
-pub(super) fn positive(
+pub(crate) fn positive(
     fields: &mut Fields<'_>,
     key: &'static str,
     findings: &mut Findings,
@@ -58,14 +58,14 @@ pub(super) fn positive(
 }
 
 /// One text, or a list of texts.
-pub(super) fn words(node: &Node, key: &str, findings: &mut Findings) -> Vec<Placed<String>> {
+pub(crate) fn words(node: &Node, key: &str, findings: &mut Findings) -> Vec<Placed<String>> {
     match &node.value {
         Content::List(items) => items.iter().filter_map(|item| word(item, key, findings)).collect(),
         _ => word(node, key, findings).into_iter().collect(),
     }
 }
 
-pub(super) fn list<'a>(node: &'a Node, key: &str, findings: &mut Findings) -> Option<&'a [Node]> {
+pub(crate) fn list<'a>(node: &'a Node, key: &str, findings: &mut Findings) -> Option<&'a [Node]> {
     let Content::List(items) = &node.value else {
         findings.push(wrong_type(node, key, "a list", &node.value));
         return None;
@@ -73,7 +73,7 @@ pub(super) fn list<'a>(node: &'a Node, key: &str, findings: &mut Findings) -> Op
     Some(items)
 }
 
-pub(super) fn wrong_type(node: &Node, key: &str, wanted: &str, got: &Content) -> Diagnostic {
+pub(crate) fn wrong_type(node: &Node, key: &str, wanted: &str, got: &Content) -> Diagnostic {
     let message = format!("\"{key}\" takes {wanted}, not {}", got.noun());
     let quoted_number = matches!(got, Content::Text(text) if text.parse::<f64>().is_ok_and(f64::is_finite));
     let hint = (quoted_number && wanted == "a number").then(|| "take the quotes away".to_owned());
@@ -81,7 +81,7 @@ pub(super) fn wrong_type(node: &Node, key: &str, wanted: &str, got: &Content) ->
 }
 
 /// The keys of an object, each taken once; what is left at the end is not known.
-pub(super) struct Fields<'a> {
+pub(crate) struct Fields<'a> {
     /// The entries, and whether they were taken.
     pub entries: Vec<(&'a tree::Entry, bool)>,
     span: Span,

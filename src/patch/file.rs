@@ -39,20 +39,8 @@ impl Patch {
     /// When the file cannot be read, is larger than 16 MB or no JSON object. What is wrong inside the object is found by
     /// [`Circuit::new`](crate::circuit::Circuit::new), all of it at once.
     pub fn read(path: &Path) -> Result<Patch, PatchError> {
+        let text = text_of(path)?;
         let file = path.display().to_string();
-        let bytes =
-            read(path).map_err(|source| PatchError::File { verb: "read", file: file.clone(), source })?;
-        if bytes.len() > LARGEST {
-            return Err(too_large(&file).into());
-        }
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let at = error.utf8_error().valid_up_to();
-            let readable = String::from_utf8_lossy(error.as_bytes()).into_owned();
-            let finding =
-                Diagnostic::at(Code::Syntax, Span { start: at, end: at }, "the file is not UTF-8 text")
-                    .hint("save it with the encoding UTF-8");
-            Box::new(Report::new(&file, &readable, vec![finding]))
-        })?;
         Ok(Patch::parse_in(path.parent().unwrap_or(Path::new("")), &file, &text)?)
     }
 
@@ -106,6 +94,23 @@ impl Patch {
 /// Bytes of the largest document that is read: the tree of a text takes a hundred times its room.
 pub(super) const LARGEST: usize = 16_000_000;
 
+/// The text of a document's file.
+pub(crate) fn text_of(path: &Path) -> Result<String, PatchError> {
+    let file = path.display().to_string();
+    let bytes = read(path).map_err(|source| PatchError::File { verb: "read", file: file.clone(), source })?;
+    if bytes.len() > LARGEST {
+        return Err(too_large(&file).into());
+    }
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let readable = String::from_utf8_lossy(error.as_bytes()).into_owned();
+        let finding = Diagnostic::at(Code::Syntax, Span { start: at, end: at }, "the file is not UTF-8 text")
+            .hint("save it with the encoding UTF-8");
+        Box::new(Report::new(&file, &readable, vec![finding]))
+    })?;
+    Ok(text)
+}
+
 /// The bytes of a file; of one that is too large, no more than shows it.
 fn read(path: &Path) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
@@ -116,7 +121,7 @@ fn read(path: &Path) -> std::io::Result<Vec<u8>> {
 fn too_large(file: &str) -> Box<Report> {
     let message = format!("the document has more than {} MB", LARGEST / 1_000_000);
     let finding = Diagnostic::at(Code::Syntax, Span::default(), message)
-        .hint("no patch needs that much: is it the right file?");
+        .hint("no document needs that much: is it the right file?");
     Box::new(Report::new(file, "", vec![finding]))
 }
 

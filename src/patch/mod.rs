@@ -2,7 +2,7 @@
 
 mod builder;
 mod code;
-mod csv_rows;
+pub(crate) mod csv_rows;
 mod decode;
 mod decode_curve;
 mod decode_entry;
@@ -11,7 +11,7 @@ mod derivative;
 mod diagnostic;
 mod document;
 mod edit;
-mod fields;
+pub(crate) mod fields;
 mod file;
 mod formula;
 mod function;
@@ -22,7 +22,7 @@ mod phase;
 mod places;
 mod schema;
 mod table_file;
-mod tree;
+pub(crate) mod tree;
 mod units;
 
 pub use builder::{ElementBuilder, MacroBuilder, PatchBuilder};
@@ -45,7 +45,10 @@ pub use phase::{Change, Phase, Until};
 pub use schema::json_schema;
 pub use units::{Dimension, Unit, UnitError, engineering};
 
+pub(crate) use decode::{range, unit_of};
 pub(crate) use derivative::{derivative_name, derivative_of, derivative_unit};
 pub(crate) use diagnostic::{any_error, behind, outside, told};
+pub(crate) use file::text_of;
 pub(crate) use misfit::{in_formula, misfit};
 pub(crate) use names::{TIME_SCALE, outlet_name, quantity_name, same_name};
+pub(crate) use table_file::{no_unit, order_hint};

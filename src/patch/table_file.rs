@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::code::Code;
-use super::csv_rows::{self, Fault, Rows, Told, excerpt};
+use super::csv_rows::{self, Asked, Fault, Rows, Told, excerpt};
 use super::decode_curve::{Mirror, Points, SORT, curve_of, points_of};
 use super::diagnostic::{Diagnostic, Span};
 use super::document::{Amount, Patch, Placed};
@@ -104,8 +104,7 @@ impl TableFile {
 
     fn read(&self, folder: &Path, unit: Option<&Unit>, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
         let path = folder.join(&self.file.value);
-        let names = self.columns.each_ref().map(|column| column.as_ref().map(|name| name.value.as_str()));
-        match csv_rows::read(&path, names).and_then(|rows| self.in_units(rows, unit, &path)) {
+        match csv_rows::read(&path, &self.asked()).and_then(|rows| self.in_units(rows, unit, &path)) {
             Ok(rows) => self.judged(rows, &path, findings),
             Err(faults) => {
                 findings.extend(faults.into_iter().map(|fault| self.diagnostic(fault)));
@@ -114,8 +113,14 @@ impl TableFile {
         }
     }
 
+    /// The columns by name, or the first and the one beside that along x.
+    fn asked(&self) -> [Asked<'_>; 2] {
+        let named = |axis: usize| self.columns[axis].as_ref().map(|name| Asked::Named(&name.value));
+        [named(0).unwrap_or(Asked::First), named(1).unwrap_or(Asked::Beside)]
+    }
+
     fn diagnostic(&self, fault: Fault) -> Diagnostic {
-        let named = fault.axis.and_then(|axis| self.columns[axis].as_ref());
+        let named = fault.column.and_then(|axis| self.columns[axis].as_ref());
         let span = named.map_or(self.file.span, |name| name.span);
         Diagnostic::at(Code::BadTable, span, fault.message).hint(fault.hint)
     }
@@ -140,9 +145,9 @@ impl TableFile {
             if told.dimension() != place.dimension() {
                 faults.push(other_unit(&rows.names[axis], &told, place, path, axis));
             } else if told.factor() != place.factor() {
-                rows.points
+                rows.columns[axis]
                     .iter_mut()
-                    .for_each(|point| point[axis] = place.out_of_si(told.to_si(point[axis])));
+                    .for_each(|number| *number = place.out_of_si(told.to_si(*number)));
             }
         }
         if faults.is_empty() { Ok(rows) } else { Err(faults) }
@@ -152,9 +157,9 @@ impl TableFile {
     fn judged(&self, rows: Rows, path: &Path, findings: &mut Findings) -> Option<Vec<[f64; 2]>> {
         let place =
             |index: usize| (self.file.span, format!(", in line {} of {}", rows.lines[index], path.display()));
-        let order_hint = order_hint(&rows);
+        let order_hint = order_hint(&rows).unwrap_or(SORT);
         let points = Points {
-            points: rows.points,
+            points: rows.columns[0].iter().zip(&rows.columns[1]).map(|(x, y)| [*x, *y]).collect(),
             place: &place,
             span: self.file.span,
             code: Code::BadTable,
@@ -167,7 +172,7 @@ impl TableFile {
     }
 }
 
-fn no_unit(name: &str, comment: &Told, path: &Path, axis: usize) -> Fault {
+pub(crate) fn no_unit(name: &str, comment: &Told, path: &Path, axis: usize) -> Fault {
     let message = format!(
         "line {} of {} tells \"{}\" as the unit of the column {name}, which is no unit",
         comment.line,
@@ -175,24 +180,27 @@ fn no_unit(name: &str, comment: &Told, path: &Path, axis: usize) -> Fault {
         excerpt(&comment.text)
     );
     let hint = format!("write \"# {name}: unit\" with nothing behind the unit, or a comment without a colon");
-    Fault { axis: Some(axis), ..Fault::new(message, hint) }
+    Fault { column: Some(axis), ..Fault::new(message, hint) }
 }
 
-/// What to do where the points do not rise. A recorded run tells by its columns why its times do not.
-fn order_hint(rows: &Rows) -> &'static str {
+/// What to do where the first column does not rise: a recorded run tells by its columns why its times do not.
+pub(crate) fn order_hint(rows: &Rows) -> Option<&'static str> {
     let has = |column: &str| rows.names[0] == "t" && rows.all_names.iter().any(|name| name == column);
-    let Some(pair) = rows.points.windows(2).find(|pair| pair[1][0] <= pair[0][0]) else { return SORT };
-    let begins_anew = pair[1][0] < pair[0][0] || pair[1][0] == 0.0;
+    let pair = rows.columns[0].windows(2).find(|pair| pair[1] <= pair[0])?;
+    let begins_anew = pair[1] < pair[0] || pair[1] == 0.0;
     if begins_anew && has("run") {
-        "the table holds several runs (initial_condition, repeat), and t begins anew with each: keep the lines of \
-         one \"run\""
-    } else if pair[1][0] == pair[0][0] && has("phase") {
-        "a phase that ends with a relay (until) or changes a parameter (set) writes a jump as two lines of one \
-         time: keep one of them, or make the second a little later"
+        Some(SEVERAL_RUNS)
+    } else if pair[1] == pair[0] && has("phase") {
+        Some(JUMP)
     } else {
-        SORT
+        None
     }
 }
+
+const SEVERAL_RUNS: &str = "the table holds several runs (initial_condition, repeat), and t begins anew with each: keep the \
+                            lines of one \"run\"";
+const JUMP: &str = "a phase that ends with a relay (until) or changes a parameter (set) writes a jump as two lines of \
+                    one time: keep one of them, or make the second a little later";
 
 fn other_unit(name: &str, told: &Unit, place: &Unit, path: &Path, axis: usize) -> Fault {
     let message = format!(
@@ -202,5 +210,5 @@ fn other_unit(name: &str, told: &Unit, place: &Unit, path: &Path, axis: usize) -
         place.text()
     );
     let hint = format!("take another column or scale, or correct the line \"# {name}: {}\"", told.text());
-    Fault { axis: Some(axis), ..Fault::new(message, hint) }
+    Fault { column: Some(axis), ..Fault::new(message, hint) }
 }

@@ -98,7 +98,7 @@ fn strict() -> ParseOptions {
 /// What to write instead, from the kind of error and the text at its place.
 fn syntax_hint(kind: &ParseErrorKind, rest: &str) -> Option<&'static str> {
     if is_no_number(rest) {
-        return Some("every number of a patch must be finite");
+        return Some("every number must be finite");
     }
     Some(match kind {
         ParseErrorKind::CommentsNotAllowed => "JSON has no comments: use a \"note\"",
@@ -110,7 +110,7 @@ fn syntax_hint(kind: &ParseErrorKind, rest: &str) -> Option<&'static str> {
         ParseErrorKind::ExpectedComma if rest.starts_with(|c: char| c.is_ascii_digit()) => {
             "numbers do not begin with 0"
         }
-        ParseErrorKind::MultipleRootJsonValues => "a file holds one patch: it ended before this",
+        ParseErrorKind::MultipleRootJsonValues => "a file holds one document: it ended before this",
         ParseErrorKind::UnterminatedArray | ParseErrorKind::UnterminatedObject => {
             "it is opened here and never closed: is the file complete?"
         }

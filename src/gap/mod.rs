@@ -1,0 +1,17 @@
+//! Measured against simulated: where a patch and data disagree, and which effect is missing.
+//!
+//! An [`Experiment`] is a patch and what was measured on the thing that it stands for. [`Experiment::read`] brings both
+//! together: columns of CSV files in the units of the patch, evenly sampled, cut into a part to fit to and a part to test on.
+
+mod document;
+mod experiment;
+mod fittable;
+mod measured;
+mod motion;
+mod parts;
+mod record;
+mod subject;
+
+pub use document::Hold;
+pub use experiment::{Experiment, ExperimentError, Feed, LEAST_SAMPLES, Output};
+pub use record::Record;

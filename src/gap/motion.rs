@@ -1,0 +1,109 @@
+//! Whether columns move, and whether the patch can hold what they hold.
+
+use super::document::{Document, Wire};
+use super::experiment::Experiment;
+use super::record::Record;
+use crate::machines::REFERENCE;
+use crate::patch::fields::Findings;
+use crate::patch::{Code, Diagnostic, Unit, behind, told};
+
+/// The least and the largest of some samples, missing ones left out.
+#[derive(Debug, Clone, Copy)]
+struct Extent {
+    least: f64,
+    most: f64,
+}
+
+impl Extent {
+    fn of<'r>(records: &'r [Record], samples: impl Fn(&'r Record) -> &'r [f64]) -> Extent {
+        let all = records.iter().flat_map(samples);
+        all.fold(Extent { least: f64::INFINITY, most: f64::NEG_INFINITY }, |extent, sample| Extent {
+            least: extent.least.min(*sample),
+            most: extent.most.max(*sample),
+        })
+    }
+
+    fn moves(self) -> bool {
+        self.most > self.least
+    }
+
+    /// The largest size.
+    fn size(self) -> f64 {
+        self.most.max(-self.least)
+    }
+
+    fn with(self, other: Extent) -> Extent {
+        Extent { least: self.least.min(other.least), most: self.most.max(other.most) }
+    }
+}
+
+/// A column of the experiment.
+struct Column<'a> {
+    wire: &'a Wire,
+    /// What the patch calls it: a drive or a signal.
+    noun: &'static str,
+    per_volt: f64,
+    unit: &'a Unit,
+    trained: Extent,
+    tested: Extent,
+}
+
+/// Looks at every column of an experiment.
+pub(super) fn check(made: &Experiment, document: &Document, findings: &mut Findings) {
+    let extents = |samples: &dyn for<'r> Fn(&'r Record) -> &'r [f64]| {
+        [&made.train, &made.test].map(|records| Extent::of(records, samples))
+    };
+    let drives =
+        made.drives.iter().enumerate().map(|(index, feed)| {
+            (feed.per_volt, &feed.unit, extents(&|record| record.drives[index].as_slice()))
+        });
+    let outputs = made.outputs.iter().enumerate().map(|(index, output)| {
+        (output.per_volt, &output.unit, extents(&|record| record.outputs[index].as_slice()))
+    });
+    for ((wire, noun), (per_volt, unit, [trained, tested])) in document.wires().zip(drives.chain(outputs)) {
+        let column = Column { wire, noun, per_volt, unit, trained, tested };
+        findings.extend(column.still().or_else(|| column.beyond()));
+    }
+}
+
+impl Column<'_> {
+    /// That it never moves, or not where it is trained on.
+    fn still(&self) -> Option<Diagnostic> {
+        let Wire { name, column, .. } = self.wire;
+        if self.trained.moves() {
+            return None;
+        }
+        let value = format!("{}{}", told(self.trained.least), behind(self.unit.text()));
+        if self.trained.with(self.tested).moves() {
+            let message = format!("the column {} is {value} throughout the part to train on", column.value);
+            return Some(Diagnostic::at(Code::StillPart, column.span, message));
+        }
+        let message = format!("the column {} never moves: it is {value} throughout", column.value);
+        let hint = match self.noun {
+            "drive" => format!(
+                "name the column that was meant; if {} did stand still, leave it out and give it this value in the patch",
+                name.value
+            ),
+            _ => "name the column that was meant, or leave it out: it tells nothing".to_owned(),
+        };
+        Some(Diagnostic::at(Code::ConstantColumn, column.span, message).hint(hint))
+    }
+
+    /// That the machine cannot hold it.
+    fn beyond(&self) -> Option<Diagnostic> {
+        let Wire { name, column, .. } = self.wire;
+        let (most, full) = (self.trained.with(self.tested).size(), REFERENCE * self.per_volt.abs());
+        let unit = behind(self.unit.text());
+        let message = || {
+            format!(
+                "the column {} goes up to {}{unit}, and 100 V of the {} {} are {}{unit}",
+                column.value,
+                told(most),
+                self.noun,
+                name.value,
+                told(full)
+            )
+        };
+        (most > full).then(|| Diagnostic::at(Code::BeyondScale, column.span, message()))
+    }
+}

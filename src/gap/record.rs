@@ -1,0 +1,129 @@
+//! A stretch of evenly sampled data, in the units of the patch.
+
+use std::ops::Range;
+
+use super::document::Hold;
+use super::measured::Measured;
+
+/// What was measured from one instant to another, evenly sampled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// The file, as the experiment names it; with columns of other names, these behind it.
+    pub name: String,
+    /// When the first sample was taken, in seconds by the clock of the file.
+    pub begin: f64,
+    /// Seconds from sample to sample.
+    pub interval: f64,
+    /// How far a sample was taken off its even time at most, in intervals.
+    pub jitter: f64,
+    /// The samples of every drive, in the unit of its scale. Where rows are missing, straight from the sample before to the
+    /// one behind, or as the one before, as the drive is held.
+    pub drives: Vec<Vec<f64>>,
+    /// The samples of every output, in the unit of its signal; NaN where a row is missing. The first and the last are there.
+    pub outputs: Vec<Vec<f64>>,
+}
+
+impl Record {
+    /// The samples of a stretch of the even times; `holds` say what each drive does where rows are missing.
+    pub(super) fn cut(measured: &Measured, places: Range<usize>, holds: &[Hold]) -> Record {
+        let rows = measured.rows_in(&places);
+        let first = measured.places.get(rows.start).copied().unwrap_or_default();
+        let place = |row: usize| measured.places[row] - first;
+        let count = rows.clone().next_back().map_or(0, |last| place(last) + 1);
+        let spread = |column: &Vec<f64>| {
+            let mut samples = vec![f64::NAN; count];
+            rows.clone().for_each(|row| samples[place(row)] = column[row]);
+            samples
+        };
+        let (drives, outputs) = measured.columns.split_at(holds.len());
+        let filled = |(column, hold): (&Vec<f64>, &Hold)| {
+            let mut samples = spread(column);
+            fill(&mut samples, *hold);
+            samples
+        };
+        Record {
+            name: measured.name.clone(),
+            begin: measured.time(first),
+            interval: measured.interval,
+            jitter: measured.jitter,
+            drives: drives.iter().zip(holds).map(filled).collect(),
+            outputs: outputs.iter().map(spread).collect(),
+        }
+    }
+
+    /// How many samples there are, missing ones counted.
+    pub fn len(&self) -> usize {
+        self.outputs.first().map_or(0, Vec::len)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// How many rows are missing.
+    pub fn missing(&self) -> usize {
+        self.outputs.first().map_or(0, |samples| samples.iter().filter(|sample| sample.is_nan()).count())
+    }
+
+    /// Seconds from the first sample to the last.
+    pub fn duration(&self) -> f64 {
+        self.interval * self.len().saturating_sub(1) as f64
+    }
+}
+
+/// Fills what is missing between samples.
+fn fill(samples: &mut [f64], hold: Hold) {
+    let there: Vec<usize> = (0..samples.len()).filter(|place| !samples[*place].is_nan()).collect();
+    for pair in there.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        let (before, behind) = (samples[from], samples[to]);
+        for (steps, sample) in samples[from..to].iter_mut().enumerate().skip(1) {
+            let share = steps as f64 / (to - from) as f64;
+            *sample = match hold {
+                Hold::Linear => before + share * (behind - before),
+                Hold::Previous => before,
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GONE: f64 = f64::NAN;
+
+    fn measured() -> Measured {
+        Measured {
+            name: "a.csv".to_owned(),
+            begin: 2.0,
+            interval: 0.5,
+            jitter: 0.0,
+            places: vec![0, 1, 4, 5],
+            columns: vec![vec![0.0, 1.0, 4.0, 5.0], vec![0.0, 10.0, 40.0, 50.0]],
+        }
+    }
+
+    fn same(found: &[f64], wanted: &[f64]) {
+        let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(found), bits(wanted), "{found:?}");
+    }
+
+    #[test]
+    fn drives_go_on_where_rows_are_missing_and_outputs_do_not() {
+        let record = Record::cut(&measured(), 1..6, &[Hold::Linear]);
+        assert_eq!((record.begin, record.len(), record.missing(), record.duration()), (2.5, 5, 2, 2.0));
+        same(&record.drives[0], &[1.0, 2.0, 3.0, 4.0, 5.0]);
+        same(&record.outputs[0], &[10.0, GONE, GONE, 40.0, 50.0]);
+        let record = Record::cut(&measured(), 1..6, &[Hold::Previous]);
+        same(&record.drives[0], &[1.0, 1.0, 1.0, 4.0, 5.0]);
+    }
+
+    #[test]
+    fn a_record_begins_and_ends_with_a_sample() {
+        let record = Record::cut(&measured(), 2..5, &[Hold::Linear]);
+        assert_eq!((record.begin, record.len()), (4.0, 1));
+        assert!(Record::cut(&measured(), 2..4, &[Hold::Linear]).is_empty());
+    }
+}
