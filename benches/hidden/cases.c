@@ -50,10 +50,10 @@ static int may_have_offset(const struct hidden_case *c) {
     return 1;
 }
 
-static void draw_effect(const struct hidden_case *c, struct chance *chance, const struct survey *survey, double size, const char *name,
+static void draw_effect(const struct hidden_case *c, struct chance *chance, const struct survey *survey, double size, double inner, const char *name,
                         struct plant *plant, struct effect *effect) {
     *effect = (struct effect){.name = name, .shape = "", .junction = c->plan.system->first_junction};
-    struct drawing d = {chance, c->plan.system, survey, size, TRAIN * c->plan.system->dt, c->plan.mass_known, plant, effect};
+    struct drawing d = {chance, c->plan.system, survey, size, inner, TRAIN * c->plan.system->dt, c->plan.mass_known, plant, effect};
     law_named(name)->draw(&d);
 }
 
@@ -64,10 +64,11 @@ static void draw_effects(struct hidden_case *c, struct chance *chance, const dou
     through_chain(&plain, &base);
     struct survey survey = simulate(&plain, &base, 2);
     c->plant = c->only[0] = c->only[1] = plain;
+    double inner = c->plan.count == 1 ? sizes[1] : 1;
     for (int i = 0; i < c->plan.count; i++) {
         struct chance again = *chance;
-        draw_effect(c, chance, &survey, sizes[i], c->plan.effects[i], &c->plant, &c->effects[i]);
-        draw_effect(c, &again, &survey, sizes[i], c->plan.effects[i], &c->only[i], &unused);
+        draw_effect(c, chance, &survey, sizes[i], inner, c->plan.effects[i], &c->plant, &c->effects[i]);
+        draw_effect(c, &again, &survey, sizes[i], inner, c->plan.effects[i], &c->only[i], &unused);
     }
 }
 
@@ -93,7 +94,7 @@ static void range_of(const double *y, int n, double *range) {
 
 /* What grows at rest shows only where rests end slowly. */
 static int needs_rests(const struct hidden_case *c) {
-    return c->plan.count && !strcmp(c->plan.effects[c->plan.count - 1], "static-friction-growth");
+    return c->plan.count && !strcmp(c->plan.effects[0], "static-friction-growth");
 }
 
 struct attempt { double gain, sizes[MAX_EFFECTS], misfit, rival[MAX_EFFECTS], range[MAX_OUTPUTS]; };
@@ -117,27 +118,32 @@ static double attempted(struct hidden_case *c, struct attempt *a, struct chance 
     return share;
 }
 
-/* These change another friction; without one they are nothing. */
-static int leans_on_another(const char *name) {
-    return !strcmp(name, "friction-memory") || !strcmp(name, "static-friction-growth") || !strcmp(name, "presliding-stiffness");
-}
-
 static double left_by(const struct hidden_case *c, const struct attempt *a, const struct plant *with, int coulomb) {
     struct job job = {c->plan.system, c->params, &c->fit, &c->train, a->range, with, coulomb, 6};
     return refitted(&job).misfit;
 }
 
-/* What is left when one of two effects is not named, the other has its true numbers; when a falling friction is called Coulomb's. */
+/* A friction without what is finer in it: its fall, growth or yielding. */
+static int without_inner(const struct hidden_case *c, struct plant *rough) {
+    const struct plant *p = &c->plant;
+    double level = p->falling ? p->falling_to + p->falling_by / 2 : p->growth > 0 ? p->coulomb : p->bristle_level;
+    *rough = base_plant(c->plan.system, c->params);
+    if (has_brake(rough) || !(level > 0)) return 0;
+    rough->coulomb = level;
+    return 1;
+}
+
+/* What is left when one of two effects is not named and the other has its true numbers; when a friction that falls, grows or yields
+ * is called Coulomb's; when a memory is not named. */
 static void examine_rivals(struct hidden_case *c, struct attempt *a) {
-    for (int i = 0; i < MAX_EFFECTS; i++) a->rival[i] = 0;
+    struct plant rough;
+    a->rival[0] = a->rival[1] = 0;
     if (c->plan.count == 2) {
-        a->rival[1] = left_by(c, a, &c->only[0], 0);
-        a->rival[0] = leans_on_another(c->plan.effects[1]) ? a->misfit : left_by(c, a, &c->only[1], 0);
-    } else if (c->plant.falling && c->plant.Fc == 0) {
-        struct plant coulomb = base_plant(c->plan.system, c->params);
-        coulomb.coulomb = (c->plant.falling_from + c->plant.falling_to) / 2;
-        a->rival[0] = left_by(c, a, &coulomb, 1);
-    }
+        for (int i = 0; i < 2; i++) a->rival[i] = left_by(c, a, &c->only[1 - i], 0);
+    } else if (c->plant.memory && c->plant.falling) {
+        rough = c->plant, rough.memory = NONE;
+        a->rival[0] = left_by(c, a, &rough, 0);
+    } else if (without_inner(c, &rough)) a->rival[0] = left_by(c, a, &rough, 1);
 }
 
 static void examine(struct hidden_case *c, struct attempt *a) {
@@ -147,20 +153,23 @@ static void examine(struct hidden_case *c, struct attempt *a) {
     examine_rivals(c, a);
 }
 
-static void resize(struct attempt *a, double by) { a->sizes[0] *= by, a->sizes[1] *= by; }
+/* Of a pair both effects; of a single one the whole, not what is finer in it. */
+static void resize(const struct hidden_case *c, struct attempt *a, double by) {
+    a->sizes[0] *= by;
+    if (c->plan.count == 2) a->sizes[1] *= by;
+}
 
 /* Whether the case is as it is wanted; otherwise another size or height of the drive: where something passes full scale, the gap
- * is small, one of two effects is hidden by the other, or, in the first tries, the gap is too large for the noise that is asked for. */
+ * is small, one of two effects or what is finer in a friction is hidden by the rest, or, in the first tries, the gap is too large for the noise that is asked for. */
 static int content(const struct hidden_case *c, struct attempt *a, double share, int try) {
-    if (!(share <= HIGHEST)) return a->gain *= 0.8, resize(a, 0.8), 0;
+    if (!(share <= HIGHEST)) return a->gain *= 0.8, resize(c, a, 0.8), 0;
     if (!c->plan.count) return 1;
-    if (a->misfit < LEAST_MISFIT) return resize(a, 1.6), 0;
+    if (a->misfit < LEAST_MISFIT) return resize(c, a, 1.6), 0;
+    if (c->plan.count == 1 && a->rival[0] > 0 && a->rival[0] < LEAST_PART * a->misfit)
+        return a->sizes[1] *= 1.5, a->sizes[0] *= needs_rests(c) ? 1.3 : 1, 0;
     for (int i = 0; c->plan.count == 2 && i < 2; i++)
-        if (a->rival[i] < LEAST_PART * a->misfit) {
-            a->sizes[i] *= 1.5, a->sizes[1 - i] *= leans_on_another(c->plan.effects[1]) ? 1.3 : 0.8;
-            return 0;
-        }
-    if (a->misfit / c->target > MOST_SIGMA && try < SHRINKS && a->misfit > 4 * LEAST_MISFIT) return resize(a, 0.6), 0;
+        if (a->rival[i] < LEAST_PART * a->misfit) return a->sizes[i] *= 1.5, a->sizes[1 - i] *= 0.8, 0;
+    if (a->misfit / c->target > MOST_SIGMA && try < SHRINKS && a->misfit > 4 * LEAST_MISFIT) return resize(c, a, 0.6), 0;
     return 1;
 }
 

@@ -4,13 +4,14 @@
 static double *zeros(int n) { return calloc((size_t)n, sizeof(double)); }
 
 struct record new_record(int n) {
-    struct record r = {.n = n, .u = zeros(n), .behind = zeros(FINE * n), .lost = zeros(FINE * n), .force = zeros(n)};
+    struct record r = {.n = n, .u = zeros(n), .behind = zeros(FINE * n), .way = zeros(FINE * n), .force = zeros(n),
+                       .turns = calloc((size_t)n * TRUTH_STEPS, 1)};
     for (int i = 0; i < MAX_OUTPUTS; i++) r.out[i] = zeros(n), r.noisy[i] = zeros(n);
     return r;
 }
 
 void free_record(struct record *r) {
-    free(r->u), free(r->behind), free(r->lost), free(r->force);
+    free(r->u), free(r->behind), free(r->way), free(r->turns), free(r->force);
     for (int i = 0; i < MAX_OUTPUTS; i++) free(r->out[i]), free(r->noisy[i]);
 }
 
@@ -175,33 +176,48 @@ static double relayed(const struct plant *p, double u, double *side) {
 }
 
 /* First-order lag over one fine step in which the input goes straight: exact. */
-static double lagged(double out, double from, double to, double h, double lag) {
-    double rise = (to - from) / h, decay = exp(-h / lag);
-    return to - rise * lag + (out - from + rise * lag) * decay;
+struct lagging { double out, before, time, decay; };
+
+static double lagged(struct lagging *l, double u, double h) {
+    double rise = (u - l->before) / h, lead = rise * l->time;
+    l->out = u - lead + (l->out - l->before + lead) * l->decay;
+    l->before = u;
+    return l->out;
 }
 
-/* The play between the slide's command position and the end of its spring that is lost. */
-static void lose(const struct plant *p, struct record *r) {
+/* The way that a drive goes which gives a velocity; with play it stays behind. */
+static void go(const struct plant *p, struct record *r) {
     double h = p->system->dt / FINE, command = 0, end = 0;
     for (int i = 0; i < FINE * r->n; i++) {
         if (i) command += h * (r->behind[i - 1] + r->behind[i]) / 2;
-        end = played(end, command, p->play);
-        r->lost[i] = command - end;
+        r->way[i] = end = played(end, command, p->play);
     }
 }
 
+/* Marks the steps around points at which a table bends by more than a share of what it changes in a sample at most. */
+static void mark_turns(const double *table, struct record *r) {
+    double top = 0;
+    for (int i = FINE; i < FINE * r->n; i++) top = fmax(top, fabs(table[i] - table[i - FINE]));
+    for (int i = 1; i + 1 < FINE * r->n; i++)
+        if (fabs(table[i + 1] - 2 * table[i] + table[i - 1]) > 1e-3 * top)
+            for (int k = i - 1; k <= i + 1; k++) r->turns[k * TRUTH_STEPS / FINE] = 1;
+}
+
 void through_chain(const struct plant *p, struct record *r) {
-    double delay = p->delay / p->system->dt, side = 1, at = r->u[0], out = 0, before = 0;
-    int play = p->play > 0 && p->play_shape == PLAY;
+    double h = p->system->dt / FINE, delay = p->delay / p->system->dt, side = 1, at = r->u[0];
+    int slide = p->system->family == SLIDE;
+    struct lagging lag = {r->u[0], r->u[0], p->lag, exp(-h / p->lag)};
     for (int i = 0; i < FINE * r->n; i++) {
         double u = between(r, (double)i / FINE - delay);
         if (p->dead > 0) u = dead(p, u);
-        if (play && p->system->family != SLIDE) u = at = played(at, u, p->play);
+        if (p->play > 0 && !slide) u = at = played(at, u, p->play);
         if (p->relay > 0) u = relayed(p, u, &side);
         if (p->limit > 0) u = limited(p, u);
-        if (p->lag > 0) out = i ? lagged(out, before, u, p->system->dt / FINE, p->lag) : u, before = u, u = out;
+        if (p->lag > 0) u = lagged(&lag, u, h);
         r->behind[i] = u;
     }
-    memset(r->lost, 0, sizeof(double) * FINE * r->n);
-    if (play && p->system->family == SLIDE) lose(p, r);
+    memset(r->turns, 0, (size_t)r->n * TRUTH_STEPS);
+    mark_turns(r->behind, r);
+    if (slide) go(p, r);
+    if (slide && p->play > 0) mark_turns(r->way, r);
 }

@@ -22,7 +22,8 @@ void measured(struct chance *c, const double *clean, int n, double sigma, double
 /* ---- systems.c: the base systems */
 enum family { SLIDE, AXIS, OSCILLATOR, TANKS, TANK, HEATER };
 enum { MAX_PARAMS = 6, MAX_OUTPUTS = 2, MAX_RATES = 16 };
-/* States of a plant. Mechanical ones: error, position, velocity, inner state of friction; tanks: two levels; heater: temperature. */
+/* States of a plant. Mechanical ones: error (in motion.c less the way of the drive), position, velocity, inner state of friction;
+ * tanks: two levels; heater: temperature. */
 enum state { E, X, V, Z, STATES, H1 = 0, H2 = 1, TEMPERATURE = 0 };
 
 struct parameter { const char *name, *unit; double value, low, high; int fitted; };
@@ -46,7 +47,7 @@ int params_of(const struct system *s);
 
 /* ---- plant: the base and all that may be hidden in it; 0 or NONE where absent */
 enum shape { NONE, EXPONENTIAL, GAUSSIAN, LORENTZIAN, THESIS, LEVEL, DISTANCE, DAHL, LUGRE, ELASTOPLASTIC, LOGARITHMIC,
-             HARD, SOFT, SHIFTED, JUMP, SPRING, REBOUND, DEAD_ZONE, PLAY, LINEAR, CURVED, ROOT, LIMIT, WEIR };
+             HARD, SOFT, SHIFTED, JUMP, SPRING, REBOUND, LINEAR, CURVED, ROOT, LIMIT, WEIR };
 enum { BUMPS = 5 };
 struct plant {
     const struct system *system;
@@ -55,7 +56,7 @@ struct plant {
     double A1, A2, ku, R1, R2, capacity, G;        /* tanks, heater */
     /* friction */
     double coulomb, load, growth, growth_time;
-    double falling_from, falling_to, falling_velocity, memory_time, memory_distance, bristle_level, bristle_stiffness, bristle_damping;
+    double falling_to, falling_by, falling_velocity, memory_time, memory_distance, bristle_level, bristle_stiffness, bristle_damping;
     enum shape falling, growing, memory, bristle;
     /* forces */
     double asymmetry, quadratic, cubic, stop_at, stop_side, stop_stiffness, stop_damping, rebound;
@@ -67,7 +68,7 @@ struct plant {
     enum shape leaking, overflowing;
     /* drive */
     double limit, dead, delay, lag, play, relay, relay_at;
-    enum shape limiting, dead_shape, play_shape;
+    enum shape limiting, dead_shape;
     /* not in the library */
     double thaw, thaw_time, bump[BUMPS], bump_at[BUMPS], bump_width;
     double walk, shock;                            /* rms of a random-walk force; height of shocks */
@@ -77,13 +78,14 @@ void set_base(struct plant *p, const double *params);
 int has_brake(const struct plant *p);
 
 /* ---- drive.c */
-enum { FINE = 20 };                                /* points of the drive behind its chain, a sample */
+enum { FINE = 40 };                                /* points of the drive behind its chain, a sample */
 enum { TRUTH_STEPS = 10 };                         /* steps of a true run, a sample */
 struct record {
     int n;
     double *u;                                     /* the drive, one a sample, linear between */
     double *behind;                                /* behind the chain, FINE a sample */
-    double *lost;                                  /* slide: how far the play lags behind the command, FINE a sample */
+    double *way;                                   /* slide: the way that the drive has gone behind the chain, FINE a sample */
+    unsigned char *turns;                          /* steps of a true run within which the drive turns sharply */
     double *force;                                 /* random-walk and shock force, one a sample */
     double start[STATES];
     double *out[MAX_OUTPUTS];                      /* every output of the system */
@@ -109,7 +111,7 @@ struct drawing {                                   /* what a law is drawn from *
     struct chance *c;
     const struct system *system;
     const struct survey *at;
-    double size, length;                           /* size: multiplies the law's own size; length of the train record, s */
+    double size, inner, length;                    /* size: of the whole; inner: of what friction has beside its level; s of the train record */
     int mass_known;
     struct plant *plant;
     struct effect *effect;

@@ -16,7 +16,7 @@ static enum shape one_of(struct drawing *d, int n, const enum shape *shapes) {
         [NONE] = "", [EXPONENTIAL] = "exponential", [GAUSSIAN] = "Gaussian", [LORENTZIAN] = "Lorentzian", [THESIS] = "share lagged, then squared",
         [LEVEL] = "level lagged", [DISTANCE] = "speed lagged over a distance", [DAHL] = "Dahl", [LUGRE] = "LuGre", [ELASTOPLASTIC] = "elastoplastic",
         [LOGARITHMIC] = "logarithmic", [HARD] = "hard", [SOFT] = "tanh", [SHIFTED] = "shifted", [JUMP] = "jump", [SPRING] = "one-sided spring and damper",
-        [REBOUND] = "restitution", [DEAD_ZONE] = "dead zone of the spring", [PLAY] = "play operator", [LINEAR] = "linear", [CURVED] = "saturating exponential",
+        [REBOUND] = "restitution", [LINEAR] = "linear", [CURVED] = "saturating exponential",
         [ROOT] = "square root", [LIMIT] = "limit", [WEIR] = "weir"};
     enum shape shape = shapes[below(d->c, n)];
     d->effect->shape = NAMES[shape];
@@ -47,54 +47,65 @@ static void coulomb(struct drawing *d) { d->plant->coulomb = noted(d, "Fc", "N",
 /* F = -f v. */
 static void viscous(struct drawing *d) {
     double ratio = share(d, 0.01, 0.1), spring = 2 * ratio * sqrt(d->plant->k * d->plant->M);
-    d->plant->f += noted(d, "f", "N s/m", d->system->family == OSCILLATOR ? spring : 5 * ratio * d->at->force / d->at->velocity);
+    d->plant->f += noted(d, "c", "N s/m", d->system->family == OSCILLATOR ? spring : 5 * ratio * d->at->force / d->at->velocity);
 }
 
-/* F = -(Fc + (Fs - Fc) g(|v| / vs)) sign v (Stribeck 1902); over a base with Coulomb friction the fall alone. */
+/* F = -(Fc + dF g(|v| / Vs)) sign v (Stribeck 1902); over a base with Coulomb friction the fall alone. */
 static void falling(struct drawing *d) {
     struct plant *p = d->plant;
+    double most = d->at->force * share(d, 0.06, 0.4), rest = p->Fc > 0 ? 0 : even(d->c, 0.1, 0.6);
     p->falling = SHAPE(d, EXPONENTIAL, GAUSSIAN, LORENTZIAN);
-    p->falling_from = noted(d, "Fs", "N", d->at->force * share(d, 0.06, 0.4));
-    p->falling_to = noted(d, "Fc", "N", p->Fc > 0 ? 0 : p->falling_from * even(d->c, 0.1, 0.6));
-    p->falling_velocity = noted(d, "vs", "m/s", d->at->velocity * scaled(d->c, 0.1, 0.7));
+    p->falling_to = noted(d, "Fc", "N", most * rest);
+    p->falling_by = noted(d, "dF", "N", most * (1 - rest));
+    p->falling_velocity = noted(d, "Vs", "m/s", d->at->velocity * scaled(d->c, 0.1, 0.7));
 }
 
-/* Friction follows its steady level with a lag: thesis Fig 8.15 and 8.16; or over a distance (Ruina's slip law 1983). */
+/* Friction follows its steady level with a lag: thesis Fig 8.15 and 8.16; or over a distance (Ruina's slip law 1983). Where the base
+ * has no falling friction, one comes with it, and the level lags. */
 static void memory(struct drawing *d) {
     struct plant *p = d->plant;
-    double time = d->system->dt * share(d, 3, 40);
-    p->memory = p->Fs > 0 ? SHAPE(d, THESIS, LEVEL, DISTANCE) : SHAPE(d, LEVEL);
+    double time = d->system->dt * d->inner * scaled(d->c, 3, 40);
+    if (p->Fs == 0) falling(d), p->memory = LEVEL;
+    else time *= d->size, p->memory = SHAPE(d, THESIS, LEVEL, DISTANCE);
     if (p->memory == DISTANCE) p->memory_distance = noted(d, "L", "m", time * p->VcL);
     else p->memory_time = noted(d, "Tc", "s", time);
+}
+
+/* A Coulomb friction that comes with an effect where the base has none. */
+static double own_coulomb(struct drawing *d) {
+    return d->plant->Fc > 0 ? d->plant->Fc : noted(d, "Fc", "N", d->at->force * share(d, 0.06, 0.3));
 }
 
 /* Friction at rest grows with the time of rest, 1 - exp (Kato 1972) or ln (Rabinowicz 1958), and falls back at once in motion. */
 static void growth(struct drawing *d) {
     struct plant *p = d->plant;
+    double sliding = own_coulomb(d);
+    if (p->Fc == 0) p->coulomb = sliding;
     p->growing = SHAPE(d, EXPONENTIAL, LOGARITHMIC);
-    p->growth = noted(d, "dF", "N", (p->Fc + p->coulomb) * fmin(2.5, share(d, 0.2, 1.5)));
-    p->growth_time = noted(d, "T", "s", d->system->dt * d->system->period * scaled(d->c, 0.1, 1.5));
+    p->growth = noted(d, "dF", "N", sliding * fmin(2.5, (p->Fc > 0 ? d->size : d->inner) * scaled(d->c, 0.2, 1.5)));
+    p->growth_time = noted(d, "Tg", "s", d->system->dt * d->system->period * scaled(d->c, 0.1, 1.5));
 }
 
 /* F = -(f + a sign v) v. */
 static void asymmetric(struct drawing *d) {
-    d->plant->asymmetry = noted(d, "df", "N s/m", sign_of_chance(d->c) * d->plant->f * fmin(0.8, share(d, 0.08, 0.7)));
+    d->plant->asymmetry = noted(d, "d", "N s/m", sign_of_chance(d->c) * d->plant->f * fmin(0.8, share(d, 0.08, 0.7)));
 }
 
 /* F = -c v |v|. */
 static void quadratic(struct drawing *d) {
-    d->plant->quadratic = noted(d, "c2", "N s2/m2", share(d, 0.03, 0.4) * d->at->force / (d->at->velocity * d->at->velocity));
+    d->plant->quadratic = noted(d, "c", "N s2/m2", share(d, 0.03, 0.4) * d->at->force / (d->at->velocity * d->at->velocity));
 }
 
-/* Friction yields before it slides: bristles in the place of the base's brake. They are long enough for the steps of a run:
- * at full speed one bends to its most in 1.2 steps. */
+/* Friction yields over a way D before it slides: bristles, in the place of the base's brake. They are long enough for the steps
+ * of a run: at full speed one bends to its most in 1.2 steps. */
 static void presliding(struct drawing *d) {
     struct plant *p = d->plant;
     double fastest = 1.3 * fmax(d->at->top[V], -d->at->low[V]), least = 1.2 * fastest * d->system->dt / TRUTH_STEPS;
     double reach = d->system->family == SLIDE ? d->at->force / p->K : 0.05 * (d->at->top[X] - d->at->low[X]);
+    double by = p->Fc > 0 ? d->size : d->inner;
+    p->bristle_level = own_coulomb(d), p->Fc = 0;
     p->bristle = SHAPE(d, DAHL, LUGRE, ELASTOPLASTIC);
-    p->bristle_level = p->Fc + p->coulomb, p->Fc = p->coulomb = 0;
-    p->bristle_stiffness = noted(d, "stiffness", "N/m", p->bristle_level / fmax(least, reach * share(d, 0.02, 0.3)));
+    p->bristle_stiffness = p->bristle_level / noted(d, "D", "m", fmax(least, reach * by * scaled(d->c, 0.02, 0.3)));
     if (p->bristle != DAHL) p->bristle_damping = noted(d, "damping", "N s/m", 0.3 * sqrt(p->bristle_stiffness * p->M));
 }
 
@@ -103,21 +114,20 @@ static void load_dependent(struct drawing *d) { d->plant->load = noted(d, "mu", 
 
 /* ---- forces of position */
 
-/* Slide: play between the drive's spring and the table. Tanks, heater: play of the actuator. */
+/* Play operator (Krasnosel'skii, Pokrovskii): in the way of a drive that gives a velocity, else in what the drive gives. */
 static void backlash(struct drawing *d) {
-    struct plant *p = d->plant;
     int slide = d->system->family == SLIDE;
-    p->play_shape = slide ? SHAPE(d, DEAD_ZONE, PLAY) : SHAPE(d, PLAY);
-    double reach = slide ? d->at->force / p->K : d->at->drive;
-    p->play = noted(d, "width", slide ? "m" : d->system->drive_unit, 2 * reach * share(d, 0.03, 0.3)) / 2;
-    if (!slide) behind_drive(d);
+    double reach = slide ? d->at->force / d->plant->K : d->at->drive;
+    d->plant->play = noted(d, slide ? "w" : "b", slide ? "m" : d->system->drive_unit, 2 * reach * share(d, 0.03, 0.3)) / 2;
+    behind_drive(d);
 }
 
-/* F = -k3 x^3 (Duffing 1918); slide: the drive's spring, K e + k3 e^3. */
+/* F = -k3 x^3 (Duffing 1918); slide: the drive's spring hardens, F = K e - k3 e^3 with k3 below 0. */
 static void cubic(struct drawing *d) {
     struct plant *p = d->plant;
-    double spring = d->system->family == SLIDE ? p->K : p->k;
-    double reach = d->system->family == SLIDE ? d->at->force / p->K : 0.35 * (d->at->top[X] - d->at->low[X]);
+    int slide = d->system->family == SLIDE;
+    double spring = slide ? -p->K : p->k, reach = slide ? d->at->force / p->K : 0.35 * (d->at->top[X] - d->at->low[X]);
+    d->effect->shape = slide ? "of the error" : "of the position";
     p->cubic = noted(d, "k3", "N/m3", spring * share(d, 0.05, 0.6) / (reach * reach));
 }
 
@@ -129,10 +139,10 @@ static void hard_stop(struct drawing *d) {
     double inside = fmax(0.3, 1 - 0.3 * share(d, 0.2, 1)), rate = 2 * M_PI / (d->system->dt * even(d->c, 8, 30));
     p->stop = SHAPE(d, SPRING, REBOUND), p->stop_side = side;
     p->stop_at = side * d->at->first[X] + inside * (side > 0 ? up : down);
-    noted(d, "at", "m", side * p->stop_at), noted(d, "side", "1", side);
+    noted(d, "xs", "m", p->stop_at), noted(d, "side", "1", side);
     if (p->stop == REBOUND) p->rebound = noted(d, "restitution", "1", even(d->c, 0, 0.8));
     else {
-        p->stop_stiffness = noted(d, "stiffness", "N/m", p->M * rate * rate);
+        p->stop_stiffness = noted(d, "k", "N/m", p->M * rate * rate);
         p->stop_damping = noted(d, "damping", "N s/m", 2 * even(d->c, 0.05, 0.4) * p->M * rate);
     }
 }
@@ -144,14 +154,14 @@ static void saturation(struct drawing *d) {
     struct plant *p = d->plant;
     double top = d->at->drive_peak, how = share(d, 0.05, 0.5);
     p->limiting = SHAPE(d, HARD, SOFT);
-    p->limit = noted(d, "limit", d->system->drive_unit, p->limiting == HARD ? top * fmax(0.3, 1 - how) : top / fmin(2.5, 3 * how));
+    p->limit = noted(d, "L", d->system->drive_unit, p->limiting == HARD ? top * fmax(0.3, 1 - how) : top / fmin(2.5, 3 * how));
     behind_drive(d);
 }
 
 /* Nothing within +-d; beyond it u - d, or u at once. */
 static void dead_zone(struct drawing *d) {
     d->plant->dead_shape = SHAPE(d, SHIFTED, JUMP);
-    d->plant->dead = noted(d, "half-width", d->system->drive_unit, d->at->drive * share(d, 0.03, 0.35));
+    d->plant->dead = noted(d, "b", d->system->drive_unit, d->at->drive * share(d, 0.03, 0.35));
     behind_drive(d);
 }
 
@@ -171,7 +181,7 @@ static void lag(struct drawing *d) {
 
 static void bias(struct drawing *d) {
     into_a_tank(d);
-    d->plant->bias = noted(d, "bias", force_unit(d), sign_of_chance(d->c) * d->at->force * share(d, 0.02, 0.25));
+    d->plant->bias = noted(d, "b", force_unit(d), sign_of_chance(d->c) * d->at->force * share(d, 0.02, 0.25));
 }
 
 /* Linear in time, or F (1 - exp(-t / T)). */
@@ -180,18 +190,17 @@ static void drift(struct drawing *d) {
     double top = sign_of_chance(d->c) * d->at->force * share(d, 0.04, 0.4);
     into_a_tank(d);
     p->drifting = SHAPE(d, LINEAR, CURVED), p->drift = top;
-    if (p->drifting == LINEAR) p->drift_time = d->length, noted(d, "rate", force_rate_unit(d), top / d->length);
+    if (p->drifting == LINEAR) p->drift_time = d->length, noted(d, "r", force_rate_unit(d), top / d->length);
     else noted(d, "end", force_unit(d), top), p->drift_time = noted(d, "T", "s", d->length * even(d->c, 0.3, 0.8));
 }
 
-/* A sin(2 pi frequency t + phase). */
+/* a sin(2 pi f t) + b cos(2 pi f t). */
 static void periodic(struct drawing *d) {
     struct plant *p = d->plant;
     into_a_tank(d);
-    p->wave = noted(d, "amplitude", force_unit(d), d->at->force * share(d, 0.03, 0.35));
-    double frequency = noted(d, "frequency", "Hz", scaled(d->c, 0.2, 3) / (d->system->period * d->system->dt));
-    p->wave_rate = 2 * M_PI * frequency;
-    p->wave_phase = noted(d, "phase", "rad", even(d->c, 0, 2 * M_PI));
+    p->wave = d->at->force * share(d, 0.03, 0.35), p->wave_phase = even(d->c, 0, 2 * M_PI);
+    noted(d, "a", force_unit(d), p->wave * cos(p->wave_phase)), noted(d, "b", force_unit(d), p->wave * sin(p->wave_phase));
+    p->wave_rate = 2 * M_PI * noted(d, "f", "Hz", scaled(d->c, 0.2, 3) / (d->system->period * d->system->dt));
 }
 
 /* Another mass from an instant on; from the beginning where the mass is not fitted. Momentum is not kept: velocity is. */
@@ -201,8 +210,8 @@ static void mass_change(struct drawing *d) {
     if (odds(d->c, 0.4)) p->mass_factor = 1 / p->mass_factor;
     if (!d->mass_known) p->mass_time = d->system->dt * round(even(d->c, 0.15, 0.4) * d->length / d->system->dt);
     d->effect->shape = d->mass_known ? "from the beginning" : "step";
-    noted(d, "dM", "kg", (p->mass_factor - 1) * p->M);
-    if (!d->mass_known) noted(d, "at", "s", p->mass_time);
+    noted(d, "r", "1", p->mass_factor - 1);
+    if (!d->mass_known) noted(d, "t1", "s", p->mass_time);
 }
 
 /* ---- tanks and heater */
@@ -214,15 +223,15 @@ static void leak(struct drawing *d) {
     double linear = d->system->family == TANKS ? share(d, 0.04, 0.4) / p->R1 : content / d->length * share(d, 0.1, 2);
     p->leaking = d->system->family == HEATER ? SHAPE(d, LINEAR) : SHAPE(d, LINEAR, ROOT);
     const char *unit = d->system->family == HEATER ? "W/K" : p->leaking == ROOT ? "m2.5/s" : "m2/s";
-    p->leak = noted(d, "coefficient", unit, p->leaking == ROOT ? linear * sqrt(0.5 * top) : linear);
+    p->leak = noted(d, "g", unit, p->leaking == ROOT ? linear * sqrt(0.5 * top) : linear);
 }
 
 /* The upper tank holds no more than a height, or flows over a weir (Poleni 1717); a share of it falls into the lower one. */
 static void overflow(struct drawing *d) {
     struct plant *p = d->plant;
     p->overflowing = SHAPE(d, LIMIT, WEIR);
-    p->overflow_at = noted(d, "height", "m", d->at->top[H1] * fmax(0.4, 1 - 0.3 * share(d, 0.3, 1.5)));
-    p->overflow_share = noted(d, "share", "1", even(d->c, 0.2, 1));
+    p->overflow_at = noted(d, "L", "m", d->at->top[H1] * fmax(0.4, 1 - 0.3 * share(d, 0.3, 1.5)));
+    p->overflow_share = noted(d, "s", "1", even(d->c, 0.2, 1));
     if (p->overflowing == WEIR) p->weir = noted(d, "weir", "m1.5/s", d->at->force / pow(even(d->c, 0.02, 0.06) * d->at->top[H1], 1.5));
 }
 

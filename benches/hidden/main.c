@@ -18,11 +18,13 @@
  * Truth: "truth" is "none", a name, "unknown:kind" or two names joined by "+". A junction is the integrator at whose input the
  * effect acts, or the drive that it stands behind. Starts are not told to the tool. Laws that depend on time run on the clock of
  * each record; forces of chance are others in every record. With two outputs EGNR is the rms over both, each over its sigma.
- * "egnr_without" of one of two effects is what the best base leaves that has the other, with its true numbers: at least 15 % of
- * EGNR, so that both are there to be found; of a falling friction alone it is what the best base with Coulomb friction leaves.
+ * "egnr_without" of one of two effects is what the best base leaves that has the other, with its true numbers; of a friction that
+ * falls, grows or yields, what the best base with Coulomb friction leaves; of a memory, what its friction leaves without it. It is
+ * at least 15 % of EGNR, so that the effect is there to be found.
  *
- * What needs another effect to act on hides in a base that has it: friction-memory in slide-falling, static-friction-growth and
- * presliding-stiffness in bases with Coulomb friction; or in a pair with it.
+ * Names, parameters and signs are those of patches/effects; shapes are others. A friction that the base has acts in the effect: on
+ * a base with Coulomb friction Stribeck's is the fall alone, growth and yielding have the base's level, and memory makes the falling
+ * friction of slide-falling late.
  */
 #include "hidden.h"
 

@@ -62,7 +62,7 @@ static double falling_level(const struct plant *p, double speed, double z) {
 
 /* Stribeck's fall hidden in the plant, of which memory makes the level follow its speed with a lag as well. */
 static double stribeck(const struct plant *p, double speed) {
-    return p->falling_to + (p->falling_from - p->falling_to) * fallen(p->falling, speed / p->falling_velocity);
+    return p->falling_to + p->falling_by * fallen(p->falling, speed / p->falling_velocity);
 }
 
 /* Level at which solid friction slides; drive: the force that comes from the drive (load-dependent friction: mu |drive|). */
@@ -106,8 +106,6 @@ static double inner_rate(const struct motion *m, double v, double z) {
 
 /* ---- forces on the mass */
 
-static double beyond(double x, double half) { return x > half ? x - half : x < -half ? x + half : 0; }
-
 /* Stop as a spring: it pushes, never pulls (Kelvin-Voigt, cut off at 0). */
 static double stop_force(const struct plant *p, double x, double v) {
     double depth = p->stop_side * x - p->stop_at;
@@ -124,15 +122,22 @@ static double bumps(const struct plant *p, double x) {
     return sum;
 }
 
-/* Force that comes from the drive: its spring and damper, or the drive itself. Backlash: the spring rests within the play; the damper
- * lies beside it. */
+static double way(const struct motion *m, double t) { return along(m->r->way, t / m->p->system->dt * FINE, FINE * m->r->n - 1); }
+
+/* Velocity of the slide's drive behind its play: all of it or nothing; a mean over the fine step in which it takes the play up. */
+static double going(const struct motion *m, double t, double u) {
+    double at = t / m->p->system->dt * FINE, h = m->p->system->dt / FINE;
+    int last = FINE * m->r->n - 2, i = at < 0 ? 0 : at > last ? last : (int)at;
+    double gone = m->r->way[i + 1] - m->r->way[i], asked = h * (m->r->behind[i] + m->r->behind[i + 1]) / 2;
+    return gone == 0 ? 0 : fabs(gone - asked) < 1e-6 * fabs(asked) ? u : gone / h;
+}
+
+/* Force that comes from the drive: the slide's spring and damper, or the drive itself. */
 static double from_drive(const struct motion *m, double t, const double *y, double u) {
     const struct plant *p = m->p;
     if (p->system->family != SLIDE) return u;
-    double stretch = y[E];
-    if (p->play_shape == DEAD_ZONE) stretch = beyond(stretch, p->play);
-    if (p->play_shape == PLAY) stretch -= along(m->r->lost, t / p->system->dt * FINE, FINE * m->r->n - 1);
-    return p->K * stretch + p->cubic * stretch * stretch * stretch + p->C * (u - y[V]);
+    double stretch = y[E] + way(m, t), speed = (p->play > 0 ? going(m, t, u) : u) - y[V];
+    return p->K * stretch - p->cubic * stretch * stretch * stretch + p->C * speed;
 }
 
 /* Net force but for the brake. Asymmetry: the viscous coefficient differs by it between the two directions. */
@@ -153,13 +158,12 @@ static void mass_rates(const struct motion *m, double t, const double *y, double
     double u = drive_at(m, t);
     dy[Z] = inner_rate(m, y[V], y[Z]);
     if (m->mode == STANDS || m->pressed) {
-        dy[E] = p->system->family == SLIDE ? u : 0, dy[X] = dy[V] = 0;
+        dy[E] = dy[X] = dy[V] = 0;
         return;
     }
     double drive = from_drive(m, t, y, u), force = net_force(m, t, y, drive);
     if (m->mode == SLIDES) force -= m->side * level(p, fabs(y[V]), y[Z], drive);
-    dy[E] = p->system->family == SLIDE ? u - y[V] : 0;
-    dy[X] = y[V];
+    dy[E] = -y[V], dy[X] = y[V];
     dy[V] = force / (p->M * m->mass_share);
 }
 
@@ -321,8 +325,9 @@ static void surveyed(struct survey *s, const struct motion *m, double t, const d
     const struct system *sys = p->system;
     double u = drive_at(m, t), drive = u, net = u;
     for (int i = 0; i < STATES; i++) {
-        if (sys->full[i] > 0) s->share = fmax(s->share, fabs(y[i]) / sys->full[i]);
-        s->top[i] = fmax(s->top[i], y[i]), s->low[i] = fmin(s->low[i], y[i]);
+        double at = i == E && sys->family == SLIDE ? y[E] + way(m, t) : y[i];
+        if (sys->full[i] > 0) s->share = fmax(s->share, fabs(at) / sys->full[i]);
+        s->top[i] = fmax(s->top[i], at), s->low[i] = fmin(s->low[i], at);
     }
     if (sys->family <= OSCILLATOR) {
         drive = from_drive(m, t, y, u);
@@ -348,6 +353,12 @@ static void begin(struct motion *m, double *y) {
     else set_off(m, force);
 }
 
+/* One step; a step of a true run in which the drive turns sharply is taken in parts. */
+static void over_step(struct motion *m, double t, double *y, double h, int step, int fine) {
+    int parts = fine == TRUTH_STEPS && m->r->turns[step] ? 16 : 1;
+    for (int k = 0; k < parts; k++) advance(m, t + k * h / parts, y, h / parts);
+}
+
 /* Fills the outputs of a record, so many steps a sample. */
 struct survey simulate(const struct plant *p, struct record *r, int fine) {
     const struct system *s = p->system;
@@ -361,8 +372,9 @@ struct survey simulate(const struct plant *p, struct record *r, int fine) {
         double t = i * s->dt;
         m.mass_share = p->mass_factor != 1 && t >= p->mass_time ? p->mass_factor : 1;
         for (int k = 0; k < MAX_OUTPUTS && s->outputs[k].signal; k++) r->out[k][i] = y[s->outputs[k].state];
+        if (s->family == SLIDE) r->out[0][i] += way(&m, t);
         surveyed(&survey, &m, t, y);
-        for (int k = 0; k < fine && i + 1 < r->n; k++) advance(&m, t + k * s->dt / fine, y, s->dt / fine);
+        for (int k = 0; k < fine && i + 1 < r->n; k++) over_step(&m, t + k * s->dt / fine, y, s->dt / fine, i * fine + k, fine);
     }
     survey.force = sqrt(survey.force / r->n), survey.velocity = sqrt(survey.velocity / r->n);
     survey.drive = sqrt(survey.drive / r->n), survey.held /= r->n;

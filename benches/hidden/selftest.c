@@ -182,7 +182,7 @@ static double overflow(void) {
 /* A play of +-1 behind 4 sin(0.02 t): 3 after the top, held, then u + 1 on the way down. */
 static double play(void) {
     struct plant p = plant_of("tank", (double[]){20e-6});
-    p.play = 1, p.play_shape = PLAY;
+    p.play = 1;
     struct record r = driven(&p, slow_sine, (double[STATES]){0});
     double most = 0, top = M_PI / 2 / 0.02, from = (M_PI - asin(0.5)) / 0.02, until = 1.5 * M_PI / 0.02;
     for (int i = 0; i < FINE * (int)until; i++) {
