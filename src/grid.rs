@@ -4,7 +4,7 @@
 pub(crate) const SAME: f64 = 1e-12;
 
 /// The instants 0, step, 2 step, ...
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Grid {
     step: f64,
     /// Steps per second, where that is a whole number: k / 1000 is nearer to the truth than k x 0.001.
@@ -25,6 +25,11 @@ impl Grid {
             Some(rate) => index as f64 / rate,
             None => index as f64 * self.step,
         }
+    }
+
+    /// The instant nearest to a time.
+    pub fn nearest(&self, time: f64) -> u64 {
+        (time / self.step).round() as u64
     }
 
     /// What an index is multiplied by, and then divided by, to give its time.

@@ -85,6 +85,27 @@ fn random_circuits() {
     }
 }
 
+/// Corners of tables in time, on the ends of steps and beside them, recorded at every step and within steps.
+#[test]
+fn curves_through_points() {
+    let circuit = circuit(&common::driven_by_points("A2"), &[]);
+    let program = Program::new(&circuit).unwrap();
+    let record = ["u", "w", "R", "L", "S", "A1", "A2"].map(str::to_owned).to_vec();
+    for (step, every) in [(1e-3, 1e-3), (1e-3, 2.3e-3), (1e-2, 1e-2), (2.5e-4, 1e-3), (7e-4, 1e-3)] {
+        let settings =
+            RunSettings { step, every, record: record.clone(), ..RunSettings::of(&circuit).unwrap() };
+        let (folded, reference) = both(&program, &settings);
+        let found = difference(&folded, &reference);
+        assert!(found <= 1e-11, "step {step}, every {every}: {found:e} V");
+        assert!(folded.sweeps[0].work.changes >= 10);
+        for (folded, reference) in folded.tracks.iter().zip(&reference.tracks) {
+            let [folded, reference] = [folded, reference].map(|track| track.courses[0]);
+            let apart = [(folded.least, reference.least), (folded.most, reference.most)];
+            assert!(apart.iter().all(|(own, other)| (own.volts - other.volts).abs() <= 1e-9), "{apart:?}");
+        }
+    }
+}
+
 /// An amplifier that passes 100 V for a while: the kernel ends there, and holds again.
 #[test]
 fn overloads_are_the_same() {

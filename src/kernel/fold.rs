@@ -18,6 +18,8 @@ pub(super) struct Terms {
     pub bounds: Bounds,
     /// What bends the curves of rates and kept values.
     pub corners: Vec<Corner>,
+    /// The tables that are looked up at time itself.
+    pub scheduled: Vec<u32>,
 }
 
 /// A voltage that changes the kernel where it passes a corner.
@@ -57,6 +59,7 @@ pub(super) fn folded(program: &Program, modes: &[f64], seen: &[Register]) -> Ter
         needed: needed(program, &outputs),
         corners: Vec::new(),
         sides: Vec::new(),
+        scheduled: Vec::new(),
         outputs,
     };
     for at in 0..program.body.len() {
@@ -110,6 +113,7 @@ pub(super) struct Folder<'a> {
     pub corners: Vec<Corner>,
     /// Of what is compared with 0, its side.
     sides: Vec<(Atom, Factor)>,
+    scheduled: Vec<u32>,
     /// Outputs of amplifiers that may be overloaded, with what they are asked for.
     outputs: HashMap<Register, Register>,
 }
@@ -140,6 +144,7 @@ impl Folder<'_> {
             Op::Minimum(a, b) if self.bends(at, [a, b]) => self.chosen([b, a], [a, b]),
             Op::Maximum(a, b) if self.bends(at, [a, b]) => self.chosen([a, b], [a, b]),
             Op::Absolute(a) if self.bends(at, [a, a]) => self.size(a),
+            Op::Table(table, a) if self.program.body[a.index()] == Op::Time => self.scheduled(table),
             Op::Table(table, a) if self.bends(at, [a, a]) => self.piece(table, a),
             Op::Minimum(a, b) => self.lower_of(a, b),
             Op::Maximum(a, b) => self.upper_of(a, b),
@@ -181,6 +186,16 @@ impl Folder<'_> {
         let beside = self.early.sum(&form, &Form::still(origin), Factor::Number(-1.0));
         let beside = Form::atom(self.atom(&beside));
         self.early.sum(&Form::still(ordinate), &beside, slope)
+    }
+
+    /// What a table gives that is looked up at time itself. Steps end at its corners, which need no watch then.
+    fn scheduled(&mut self, table: u32) -> Form {
+        let place = self.scheduled.iter().position(|known| *known == table);
+        let place = place.unwrap_or_else(|| {
+            self.scheduled.push(table);
+            self.scheduled.len() - 1
+        });
+        self.node(Node::Scheduled(place as u32))
     }
 
     /// 1 where one voltage is not below another, else 0.
@@ -390,6 +405,7 @@ impl Folder<'_> {
         let kept: Vec<Operand> = program.kept.iter().map(|kept| self.read(kept.next)).collect();
         let seen = seen.iter().map(|register| self.read(*register)).collect();
         let bounds = self.bounds();
-        Terms { early: self.early, nodes: self.nodes, rates, kept, seen, bounds, corners: self.corners }
+        let Folder { early, nodes, corners, scheduled, .. } = self;
+        Terms { early, nodes, rates, kept, seen, bounds, corners, scheduled }
     }
 }

@@ -3,6 +3,7 @@
 use super::known::Known;
 use super::lane::Lane;
 use super::rows::Rows;
+use super::schedules::Schedule;
 use super::{Kernel, Layout};
 
 /// The numbers of a kernel that runs.
@@ -38,6 +39,10 @@ pub(crate) struct Frame<V> {
     pub(super) extremes: Extremes<V>,
     /// Room for blocks of steps that native code goes blindly; nothing where none does.
     pub(super) rows: Rows,
+    /// The tables that are looked up at time itself.
+    pub(super) schedules: Vec<Schedule>,
+    /// What they give in the middle of a look of native code, and at its end.
+    pub(super) ahead: Vec<f64>,
     /// A bit for every lane that counts: what is met in others is not looked at.
     pub(super) aboard: u64,
     /// A bit for every lane in which something was met at the end of quiet steps.
@@ -85,6 +90,8 @@ impl Kernel {
             highs: zeros(self.fences.len()),
             extremes: Extremes::of(self.followed.len()),
             rows: Rows::default(),
+            schedules: self.scheduled.iter().copied().map(Schedule::of).collect(),
+            ahead: vec![0.0; 2 * self.scheduled.len()],
             aboard: 1,
             beyond: 0,
         }
@@ -92,14 +99,14 @@ impl Kernel {
 
     /// Works everything out where the frame is.
     pub fn show<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
-        self.stay(frame);
+        self.stay(frame, tables);
         self.work_out(frame, tables);
     }
 
     /// What is worked out next is worked out where the frame is.
-    pub fn stay<V: Lane>(&self, frame: &mut Frame<V>) {
+    pub fn stay<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
         frame.slots[self.layout.states..self.layout.time].copy_from_slice(&frame.states);
-        frame.slots[self.layout.time] = V::splat(frame.time);
+        self.put_instant(frame, tables, frame.time);
     }
 
     /// When the last stretch that was gone alone began, and how long it was. It ends where the frame is.
@@ -110,14 +117,20 @@ impl Kernel {
 
     /// What is worked out next is worked out at an instant within that stretch, on the cubic through states and rates at its
     /// ends, whose shares are given.
-    pub fn go_back(&self, frame: &mut Frame<f64>, time: f64, [states, rates]: [[f64; 2]; 2]) {
+    pub fn go_back(
+        &self,
+        frame: &mut Frame<f64>,
+        tables: &[Vec<[f64; 2]>],
+        time: f64,
+        [states, rates]: [[f64; 2]; 2],
+    ) {
         for index in 0..frame.states.len() {
             let last = &frame.last;
             let begin = last.states[index] * states[0] + last.rates[index] * rates[0];
             let end = frame.states[index] * states[1] + frame.rates[index] * rates[1];
             frame.slots[self.layout.states + index] = begin + end;
         }
-        frame.slots[self.layout.time] = time;
+        self.put_instant(frame, tables, time);
     }
 }
 

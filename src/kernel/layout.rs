@@ -81,7 +81,8 @@ impl Layouter {
     fn place(&mut self, program: &Program) {
         let states = self.factors.len();
         let time = states + program.states.len();
-        let kept = time + 1;
+        let scheduled = time + 1;
+        let kept = scheduled + self.folded.scheduled.len();
         let noise = kept + program.kept.len();
         let results = noise + program.noises.len();
         let mut next = results;
@@ -89,6 +90,7 @@ impl Layouter {
             self.slots.push(match node {
                 Node::State(index) => states as Slot + index,
                 Node::Time => time as Slot,
+                Node::Scheduled(index) => scheduled as Slot + index,
                 Node::Kept(index) => kept as Slot + index,
                 Node::Noise(index) => noise as Slot + index,
                 _ => {
@@ -97,7 +99,7 @@ impl Layouter {
                 }
             });
         }
-        self.layout = Layout { states, time, kept, noise, results, all: next };
+        self.layout = Layout { states, time, scheduled, kept, noise, results, all: next };
     }
 
     pub fn operand(&self, operand: Operand) -> Slot {
@@ -137,6 +139,7 @@ impl Layouter {
             fences: fences.all,
             still: folded.bounds.still.clone(),
             given: folded.early.given as usize,
+            scheduled: folded.scheduled.clone(),
             early: self.folded.early.ops,
             factors: self.factors,
         }
@@ -210,7 +213,7 @@ impl Layouter {
     fn emit(&self, node: &Node, out: Slot, code: &mut Code) {
         let of = |operand: &Operand| self.operand(*operand);
         let instruction = match node {
-            Node::State(_) | Node::Time | Node::Kept(_) | Node::Noise(_) => return,
+            Node::State(_) | Node::Time | Node::Scheduled(_) | Node::Kept(_) | Node::Noise(_) => return,
             Node::Sum(form) => self.sum(form, out, code),
             Node::Multiply(a, b) => Instruction::Multiply { out, a: of(a), b: of(b) },
             Node::Minimum(a, b) => Instruction::Minimum { out, a: of(a), b: of(b) },

@@ -26,6 +26,7 @@ mod node;
 mod posts;
 #[cfg_attr(not(feature = "native"), allow(dead_code, reason = "native code alone goes steps blindly"))]
 mod rows;
+mod schedules;
 mod sides;
 mod step;
 mod store;
@@ -77,6 +78,8 @@ pub(crate) struct Kernel {
     fences: Vec<Fence>,
     /// So many numbers are given beside the coefficients.
     given: usize,
+    /// The tables that are looked up at time itself.
+    scheduled: Vec<u32>,
 }
 
 /// Where the slots begin of what is given to a kernel; after these stand the results of its operations.
@@ -84,6 +87,7 @@ pub(crate) struct Kernel {
 pub(crate) struct Layout {
     pub states: usize,
     pub time: usize,
+    pub scheduled: usize,
     pub kept: usize,
     pub noise: usize,
     pub results: usize,

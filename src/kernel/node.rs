@@ -15,6 +15,8 @@ pub(super) enum Operand {
 pub(super) enum Node {
     State(u32),
     Time,
+    /// What a table gives that is looked up at time itself, by its place among these.
+    Scheduled(u32),
     Kept(u32),
     Noise(u32),
     Sum(Form),
@@ -29,7 +31,7 @@ pub(super) enum Node {
 impl Node {
     pub fn operands(&self) -> Vec<Operand> {
         match self {
-            Node::State(_) | Node::Time | Node::Kept(_) | Node::Noise(_) => Vec::new(),
+            Node::State(_) | Node::Time | Node::Scheduled(_) | Node::Kept(_) | Node::Noise(_) => Vec::new(),
             Node::Sum(form) => {
                 let terms = form.terms.iter();
                 let constant = [Operand::Factor(form.constant)];

@@ -43,6 +43,8 @@ pub(super) struct Columns {
     /// Where the rates begin, and the kept values.
     pub rates: usize,
     pub kept: usize,
+    /// Where what tables of time give begins: all in the middle of the step, then all at its end.
+    pub scheduled: usize,
     /// The slots of the kept values.
     kept_slots: Range<usize>,
     /// So many numbers has a row.
@@ -85,17 +87,19 @@ impl Columns {
         let rates = (ends.len() + middles.len()).next_multiple_of(TOGETHER);
         let kept = rates + kernel.rates.len();
         let kept_slots = kernel.layout.kept..kernel.layout.noise;
+        let scheduled = kept + kept_slots.len();
         Columns {
             fences: (0..).zip(fences(all)).chain((ends.len()..).zip(fences(in_middle))).collect(),
             of_time: kernel.fences.iter().position(is_time),
             // A row stands there even of a kernel that has nothing to write down.
-            width: (kept + kept_slots.len()).max(1).next_multiple_of(TOGETHER),
+            width: (scheduled + 2 * kernel.scheduled.len()).max(1).next_multiple_of(TOGETHER),
             ends,
             middles,
             states,
             followed,
             rates,
             kept,
+            scheduled,
             kept_slots,
         }
     }
@@ -212,6 +216,22 @@ impl Frame<f64> {
         (columns.kept..).zip(kept).for_each(|(column, kept)| put(first, column, *kept));
         if !self.rows.are_fenced {
             self.rows.put_fences(columns, &self.lows, &self.highs);
+        }
+    }
+
+    /// Writes down what tables of time give in the steps of a block.
+    pub(super) fn put_scheduled_rows(&mut self, columns: &Columns, tables: &[Vec<[f64; 2]>], steps: &Steps) {
+        if self.schedules.is_empty() {
+            return;
+        }
+        let width = columns.width / TOGETHER;
+        let mut begin = self.time;
+        for step in 0..steps.count {
+            let end = steps.end_of(step);
+            self.put_ahead(tables, [begin + 0.5 * (end - begin), end]);
+            let row = &mut self.rows.numbers[width * (step as usize + 1)..][..width];
+            (columns.scheduled..).zip(&self.ahead).for_each(|(column, value)| put(row, column, *value));
+            begin = end;
         }
     }
 
@@ -344,6 +364,7 @@ mod tests {
             followed: vec![1],
             rates: TOGETHER,
             kept: TOGETHER,
+            scheduled: TOGETHER,
             kept_slots: 0..0,
             width: TOGETHER,
         }

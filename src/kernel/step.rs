@@ -45,8 +45,10 @@ impl Kernel {
         checks: &Checks,
     ) {
         let (half, middle) = (V::splat(0.5 * length), frame.time + 0.5 * length);
-        self.stage(frame, tables, 0, half, middle);
-        self.stage(frame, tables, 1, half, middle);
+        self.begin_pieces(frame, tables, middle);
+        self.put_time(frame, middle);
+        self.stage(frame, tables, 0, half);
+        self.stage(frame, tables, 1, half);
         checks.middle.run(&mut frame.slots, tables);
     }
 
@@ -60,7 +62,8 @@ impl Kernel {
         [length, end]: [f64; 2],
         checks: &Checks,
     ) {
-        self.stage(frame, tables, 2, V::splat(length), end);
+        self.put_time(frame, end);
+        self.stage(frame, tables, 2, V::splat(length));
         let sixth = V::splat(length * SIXTH);
         let two = V::splat(2.0);
         for state in 0..frame.states.len() {
@@ -77,20 +80,12 @@ impl Kernel {
     }
 
     #[inline(always)]
-    fn stage<V: Lane>(
-        &self,
-        frame: &mut Frame<V>,
-        tables: &[Vec<[f64; 2]>],
-        stage: usize,
-        length: V,
-        time: f64,
-    ) {
+    fn stage<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], stage: usize, length: V) {
         let from = if stage == 0 { &frame.rates } else { &frame.stages[stage - 1] };
         let states = &mut frame.slots[self.layout.states..self.layout.time];
         for ((trial, state), rate) in states.iter_mut().zip(&frame.states).zip(from) {
             *trial = rate.multiply_add(length, *state);
         }
-        frame.slots[self.layout.time] = V::splat(time);
         self.moving.run(&mut frame.slots, tables);
         self.keep(frame, stage);
     }

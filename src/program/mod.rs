@@ -7,6 +7,7 @@ mod angles;
 mod arrange;
 mod check;
 mod coefficient;
+mod corners;
 mod curved;
 mod evaluate;
 mod kinks;
@@ -37,14 +38,17 @@ pub use state_space::{DelayTerm, Hold, Port, StateSpace, StateTerm};
 
 pub(crate) use check::{remedy, tell};
 pub(crate) use coefficient::{Fault, Unfit};
+pub(crate) use corners::Corners;
 pub(crate) use evaluate::Scratch;
 pub(crate) use kinks::{Crossing, Kink, ON_THE_KINK};
 pub(crate) use loops::LoopFault;
 pub(crate) use noise::{Distribution, Noise};
-pub(crate) use number::{Number, segment};
+pub(crate) use number::{Number, segment, segment_after};
 pub(crate) use op::Sources;
 pub(crate) use standing::Standing;
 pub(crate) use tangent::{Beside, Slopes, StandingSlopes};
+
+use std::sync::Arc;
 
 use coefficient::Order;
 use standing::ScaleSlot;
@@ -71,9 +75,9 @@ pub struct Program {
     pub(crate) delays: Vec<Delay>,
     pub(crate) kept: Vec<Kept>,
     pub(crate) noises: Vec<Noise>,
-    pub(crate) tables: Vec<Vec<[f64; 2]>>,
-    /// Problem times, rising, at which tables have corners: no step reaches across one.
-    pub(crate) corners: Vec<f64>,
+    pub(crate) tables: Arc<Tables>,
+    /// When tables have corners: no step reaches across one.
+    pub(crate) corners: Arc<Corners>,
     pub(crate) loops: Vec<Loop>,
     /// Where rates turn corners.
     pub(crate) kinks: Vec<Kink>,
@@ -95,6 +99,9 @@ pub struct Program {
     /// What it was folded to so far.
     pub(crate) kernels: Kernels,
 }
+
+/// The points of every table.
+pub(crate) type Tables = Vec<Vec<[f64; 2]>>;
 
 /// A parameter of the patch as the prologue reads it.
 #[derive(Debug, Clone)]

@@ -67,10 +67,14 @@ impl Number for f64 {
 
 /// The straight piece of a table that holds at `x`: (ordinate at the origin, slope, origin).
 pub(crate) fn segment(points: &[[f64; 2]], x: f64) -> (f64, f64, f64) {
+    segment_after(points, points.partition_point(|point| point[0] <= x))
+}
+
+/// The piece after so many points of a table, in the same form.
+pub(crate) fn segment_after(points: &[[f64; 2]], after: usize) -> (f64, f64, f64) {
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return (f64::NAN, 0.0, 0.0);
     };
-    let after = points.partition_point(|point| point[0] <= x);
     if after == 0 {
         return (first[1], 0.0, first[0]);
     }

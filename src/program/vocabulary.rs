@@ -1,5 +1,7 @@
 //! What an element's law can read, and the operations that it can emit.
 
+use std::sync::Arc;
+
 use super::lower::Lowering;
 use super::{
     Calm, Delay, Distribution, Guard, Kept, Mode, ModeHandle, Noise, Op, Register, State, TimeConstant,
@@ -211,16 +213,14 @@ impl Lowering<'_> {
 
     /// Points looked up: straight between them, level outside.
     pub fn look_up(&mut self, points: Vec<[f64; 2]>, at: Register) -> Register {
-        self.program.tables.push(points);
+        Arc::make_mut(&mut self.program.tables).push(points);
         self.emit(Op::Table(self.program.tables.len() as u32 - 1, at))
     }
 
     /// The points of a setting have their corners in time: the solver stops there.
     pub fn corners(&mut self, name: &str) {
         if let Some(Amount::Points(points)) = self.amount(name) {
-            let corners = &mut self.program.corners;
-            corners.extend(points.iter().map(|point| point[0]));
-            corners.sort_by(f64::total_cmp);
+            Arc::make_mut(&mut self.program.corners).add(points);
         }
     }
 

@@ -8,7 +8,7 @@ const CUBIC: f64 = 1.0 / 24.0;
 /// A stretch is cut into so many pieces at most.
 const MOST_PIECES: f64 = 1000.0;
 /// Share of a step within which instants are the same.
-const SAME: f64 = 1e-9;
+pub(super) const SAME: f64 = 1e-9;
 
 impl Machine<'_> {
     pub(super) fn remember_delays(&mut self) {
@@ -64,20 +64,29 @@ impl Machine<'_> {
     /// The end of a stretch on the way to a time: no stretch goes across an echo, the corner of a table, or an
     /// instant at which noise jumps.
     pub(super) fn end_of_stretch(&self, target: f64) -> f64 {
+        self.end_before(target, self.program.corners.times())
+    }
+
+    /// The end of a flight, which goes on over corners of tables that fall on the ends of its steps.
+    pub(super) fn end_of_flight(&self) -> f64 {
+        self.end_before(f64::INFINITY, &self.stray_corners)
+    }
+
+    fn end_before(&self, target: f64, corners: &[f64]) -> f64 {
         let jumps = self.noises.iter().map(NoiseSource::next);
-        let before = jumps.chain(self.next_corner()).filter(|time| *time < target - SAME * self.step);
+        let corner = self.next_of(corners);
+        let before = jumps.chain(corner).filter(|time| *time < target - SAME * self.step);
         let echoes = self.lines.iter().filter_map(|line| line.echo_before(target));
         echoes.chain(before).fold(target, f64::min)
     }
 
-    fn next_corner(&self) -> Option<f64> {
-        let corners = &self.program.corners;
+    fn next_of(&self, corners: &[f64]) -> Option<f64> {
         let next = corners.partition_point(|corner| *corner <= self.time + SAME * self.step);
         corners.get(next).copied()
     }
 
     fn is_at_corner(&self) -> bool {
-        let corners = &self.program.corners;
+        let corners = self.program.corners.times();
         let next = corners.partition_point(|corner| *corner < self.time - SAME * self.step);
         corners.get(next).is_some_and(|corner| *corner <= self.time + SAME * self.step)
     }

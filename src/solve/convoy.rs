@@ -12,7 +12,7 @@ use super::player::{Operating, Player, begins_in_initial_condition};
 use super::stride::SMALLEST;
 use crate::kernel::{Backend, FEWEST_ABREAST, Folded, Formation, Steps};
 use crate::patch::{Phase, Until};
-use crate::program::Program;
+use crate::program::Tables;
 
 /// So many steps are gone at once where nobody flies beside others.
 const APART: u64 = 32;
@@ -37,9 +37,17 @@ struct Member<'p, 'w> {
 /// Members that fly side by side, each in the lane of its number.
 struct Wing {
     folded: Arc<Folded>,
+    tables: Arc<Tables>,
     formation: Formation,
     /// The steps before it.
     steps: Steps,
+}
+
+/// What all of a wing fly with: a kernel, and the tables that it looks up.
+#[derive(Clone, Copy)]
+struct Equipment<'a> {
+    folded: &'a Arc<Folded>,
+    tables: &'a Arc<Tables>,
 }
 
 impl<'p, 'w> Convoy<'p, 'w> {
@@ -125,22 +133,28 @@ impl<'p, 'w> Convoy<'p, 'w> {
         let Some(flight) = self.members[lane].in_flight() else { return false };
         let is_beside =
             |member: &&Member<'_, '_>| member.in_flight().is_some_and(|other| are_beside(flight, other));
-        self.members.iter().filter(is_beside).count() >= flight.0.fewest_abreast(self.backend)
+        self.members.iter().filter(is_beside).count() >= flight.0.folded.fewest_abreast(self.backend)
     }
 
     fn board(&mut self, lane: usize) {
-        let Some((folded, steps)) = self.members[lane].in_flight() else { return };
+        let Some((equipment, steps)) = self.members[lane].in_flight() else { return };
         let is_there = |wing: &Wing| {
-            wing.formation.aboard() != 0 && are_beside((&wing.folded, wing.steps), (folded, steps))
+            wing.formation.aboard() != 0 && are_beside((wing.equipment(), wing.steps), (equipment, steps))
         };
-        let is_free = |wing: &Wing| wing.formation.aboard() == 0 && Arc::ptr_eq(&wing.folded, folded);
+        let is_free = |wing: &Wing| wing.formation.aboard() == 0 && wing.equipment().is(equipment);
         let known = self.wings.iter().position(is_there).or_else(|| self.wings.iter().position(is_free));
         let index = known.unwrap_or_else(|| {
             if self.wings.len() >= MOST_WINGS {
                 self.wings.retain(|wing| wing.formation.aboard() != 0);
             }
+            let Equipment { folded, tables } = equipment;
             let formation = Formation::of(&folded.kernel);
-            self.wings.push(Wing { folded: Arc::clone(folded), formation, steps });
+            self.wings.push(Wing {
+                folded: Arc::clone(folded),
+                tables: Arc::clone(tables),
+                formation,
+                steps,
+            });
             self.wings.len() - 1
         });
         let wing = &mut self.wings[index];
@@ -149,12 +163,22 @@ impl<'p, 'w> Convoy<'p, 'w> {
     }
 }
 
-/// Whether two fly with the same kernel at the same place of the same grid.
-fn are_beside((folded, steps): (&Arc<Folded>, Steps), (other, others): (&Arc<Folded>, Steps)) -> bool {
-    Arc::ptr_eq(folded, other) && steps.begin == others.begin && steps.first == others.first
+/// Whether two fly with the same at the same place of the same grid.
+fn are_beside((own, steps): (Equipment<'_>, Steps), (other, others): (Equipment<'_>, Steps)) -> bool {
+    own.is(other) && steps.begin == others.begin && steps.first == others.first
+}
+
+impl Equipment<'_> {
+    fn is(self, other: Equipment<'_>) -> bool {
+        Arc::ptr_eq(self.folded, other.folded) && Arc::ptr_eq(self.tables, other.tables)
+    }
 }
 
 impl Wing {
+    fn equipment(&self) -> Equipment<'_> {
+        Equipment { folded: &self.folded, tables: &self.tables }
+    }
+
     /// Lets those leave who cannot go the next step together with others. How many steps the rest can go, one where none is
     /// left; nothing where nobody was aboard.
     fn make_ready(&mut self, members: &mut [Member<'_, '_>], backend: Backend) -> Option<u64> {
@@ -179,10 +203,9 @@ impl Wing {
 
     /// Goes on to the step of a number.
     fn fly(&mut self, members: &mut [Member<'_, '_>], next: u64, backend: Backend) {
-        while let Some(lane) = lanes(self.formation.aboard()).next().filter(|_| self.steps.first < next) {
+        while self.formation.aboard() != 0 && self.steps.first < next {
             let steps = Steps { count: next - self.steps.first, ..self.steps };
-            let tables = &members[lane].player.machine.program.tables;
-            let gone = self.folded.steps_abreast(&mut self.formation, tables, &steps, backend);
+            let gone = self.folded.steps_abreast(&mut self.formation, &self.tables, &steps, backend);
             self.steps = self.steps.after(gone);
             if gone < steps.count {
                 self.part(members);
@@ -198,18 +221,18 @@ impl Wing {
     /// Shows what they have come to to all but those that went the last step alone, and have seen it.
     fn look_up(&mut self, members: &mut [Member<'_, '_>]) {
         let (steps, time) = (self.steps, self.formation.time());
-        let (mut behind, mut due) = (0, None);
+        let (mut behind, mut any_due) = (0, false);
         for lane in lanes(self.formation.aboard()) {
             let member = &mut members[lane];
             if member.is_behind(steps) {
                 behind |= 1 << lane;
                 member.pass(steps.first, time);
-                due = due.or_else(|| member.sample_due());
+                any_due |= member.is_sample_due();
             }
         }
         // What is recorded is worked out where some of it is due.
-        if let Some(program) = due {
-            self.formation.work_out(&self.folded.kernel, &program.tables);
+        if any_due {
+            self.formation.work_out(&self.folded.kernel, &self.tables);
         }
         lanes(behind).for_each(|lane| members[lane].look_up(self, lane));
     }
@@ -279,10 +302,11 @@ impl<'p> Member<'p, '_> {
         self.under_way().is_some()
     }
 
-    /// The kernel and the steps before it, where it is in flight.
-    fn in_flight(&self) -> Option<(&Arc<Folded>, Steps)> {
-        let operation = self.under_way()?;
-        Some((self.player.machine.kernel_of(operation.aloft?), operation.steps))
+    /// What it flies with, and the steps before it, where it is in flight.
+    fn in_flight(&self) -> Option<(Equipment<'_>, Steps)> {
+        let (operation, machine) = (self.under_way()?, &self.player.machine);
+        let folded = machine.kernel_of(operation.aloft?);
+        Some((Equipment { folded, tables: &machine.program.tables }, operation.steps))
     }
 
     fn flight_mut(&mut self) -> Option<&mut Flight> {
@@ -311,10 +335,10 @@ impl<'p> Member<'p, '_> {
             .is_some_and(|operation| operation.aloft.is_some() && operation.steps.first != steps.first)
     }
 
-    /// Its program, where it has come to an instant that is written down.
-    fn sample_due(&self) -> Option<&'p Program> {
+    /// Whether it has come to an instant that is written down.
+    fn is_sample_due(&self) -> bool {
         let Player { machine, recorder, .. } = &self.player;
-        recorder.due(machine).map(|_| machine.program)
+        recorder.due(machine).is_some()
     }
 
     /// Sees what a wing has come to.

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::breaks::SAME;
 use super::error::RunError;
 use super::locate::{self, Ahead};
 use super::machine::{Machine, Witness};
@@ -110,13 +111,13 @@ impl Flight {
     pub fn look_back(&mut self, tables: &[Vec<[f64; 2]>], time: f64) {
         let (kernel, frame) = (&self.folded.kernel, &mut self.frame);
         let [begin, length] = kernel.last_stretch(frame);
-        kernel.go_back(frame, time, cubic(length, (time - begin) / length));
+        kernel.go_back(frame, tables, time, cubic(length, (time - begin) / length));
         self.folded.work_out(frame, tables, self.backend);
     }
 
     /// The same where it is.
     pub fn show(&mut self, tables: &[Vec<[f64; 2]>]) {
-        self.folded.kernel.stay(&mut self.frame);
+        self.folded.kernel.stay(&mut self.frame, tables);
         self.folded.work_out(&mut self.frame, tables, self.backend);
     }
 
@@ -182,7 +183,7 @@ impl Machine<'_> {
 
     /// How many of these steps end before anything that is known to come.
     fn steps_before_jump(&self, steps: Steps) -> u64 {
-        steps.before(self.end_of_stretch(f64::INFINITY), 1e-9 * self.step)
+        steps.before(self.end_of_flight(), SAME * self.step)
     }
 
     /// A flight that is under way.

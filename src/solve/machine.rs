@@ -1,5 +1,7 @@
 //! The machine: a program with states, modes and a clock, in one of the modes of an analogue computer.
 
+use std::sync::Arc;
+
 use super::control::Control;
 use super::delay_line::DelayLine;
 use super::error::{RunError, TimeSetting};
@@ -75,6 +77,8 @@ pub struct Machine<'p> {
     pub(super) pushed: Vec<f64>,
     pub(super) step: f64,
     pub(super) grid: Grid,
+    /// The corners of tables that no step of the present phase ends on by itself.
+    pub(super) stray_corners: Arc<[f64]>,
     pub(super) glider: Glider,
     /// How long steps are, where they are not all as long as `step`.
     pub(super) control: Option<Control>,
@@ -209,6 +213,7 @@ impl<'p> Machine<'p> {
             pushed: zeros(),
             step,
             grid: Grid::new(step),
+            stray_corners: Arc::default(),
             glider: Glider::default(),
             control: None,
             sensitivities: None,

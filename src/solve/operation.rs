@@ -1,5 +1,6 @@
 //! Operating in equal steps, so many at a time.
 
+use super::breaks::SAME;
 use super::error::{RunError, TimeSetting};
 use super::glide::Aloft;
 use super::machine::{Machine, MachineMode, Witness};
@@ -40,6 +41,7 @@ impl Machine<'_> {
             return Err(RunError::NotATime { which: TimeSetting::Duration, value: length });
         }
         self.mode = MachineMode::Operate;
+        self.stray_corners = self.program.corners.off(self.time, self.grid, SAME * self.step);
         let count = self.grid.steps_in(length);
         let steps = Steps { begin: self.time, grid: self.grid, first: 1, count };
         Ok(Operation { steps, aloft: None, end: self.time + length })

@@ -93,6 +93,42 @@ pub fn play() -> Program {
     built(builder)
 }
 
+/// A mass that sticks and slips, driven by curves through points: most lie on the ends of steps of 1 ms, one within rounding
+/// of an end, some elsewhere. One curve also switches a relay, and a diode L gives the lower of it and the way A2. What is fed back is
+/// told.
+pub fn driven_by_points(fed_back: &str) -> Patch {
+    let height = |time: f64| 50.0 * (90.0 * time).sin() + 25.0 * (31.0 * time).cos();
+    let curve = |times: Vec<f64>| {
+        let points: Vec<_> = times.into_iter().map(|time| [time, height(time)]).collect();
+        element("table").set("points", serde_json::json!(points))
+    };
+    let mut times: Vec<_> = (0..100).map(|place| f64::from(place) / 100.0).collect();
+    times[67] += 4e-13;
+    times.extend([0.3337, 0.590_000_1]);
+    times.sort_by(f64::total_cmp);
+    volts("driven by points")
+        .parameter("g", 0.5, "1", [0.0, 1.0])
+        .drive("u", "volt", curve(times))
+        .drive("w", "volt", curve((1..35).map(|place| 0.028 * f64::from(place)).collect()))
+        .element(
+            "R",
+            element("relay")
+                .cord("in", "u")
+                .cord("on", "w")
+                .cord("off", "ground")
+                .set("pull_in", 20)
+                .set("drop_out", -20),
+        )
+        .element("L", element("diode-lower-of").cords("in", ["u", "A2"]))
+        .element("P", element("pot").cord("in", fed_back).set("setting", "g"))
+        .element("S", element("summer").cords("x1", ["u", "P", "R"]))
+        .element("B", element("pot").cord("in", "+100").set("setting", 0.3))
+        .element("A1", element("integrator").cords("x10", ["S"]).cords("brake_x10", ["B"]))
+        .element("A2", element("integrator").cords("x1", ["A1"]))
+        .build()
+        .unwrap()
+}
+
 /// A machine that has run for a time.
 pub fn ran(program: &Program, step: f64, length: f64) -> Machine<'_> {
     let mut machine = Machine::new(program, step).unwrap_or_else(|error| panic!("{error}"));

@@ -5,12 +5,12 @@ use std::fs;
 use patchcord::circuit::Circuit;
 use patchcord::patch::{Patch, PatchBuilder};
 use patchcord::program::Program;
-use patchcord::solve::{self, RunSettings};
+use patchcord::solve::{self, Backend, Machine, RunSettings};
 use proptest::prelude::*;
 use serde_json::json;
 
 use crate::bench::{ANY, bench_drive, drive_stops_at_100_volts, near, out, waits_in_hold};
-use crate::common::{element, program, ran, random_cases, volts};
+use crate::common::{built, element, program, ran, random_cases, volts};
 
 /// The value of a table: straight between its points, level outside.
 fn looked_up(points: &[[f64; 2]], time: f64) -> f64 {
@@ -86,6 +86,33 @@ fn units_that_a_file_tells_are_converted() {
     let program = beside(csv, json!({"csv": "table.csv"}), "N");
     assert!(near(out(&ran(&program, 1e-2, 0.0)), 10.0));
     assert!(near(out(&ran(&program, 1e-2, 0.3)), 25.0), "half-way to 0.6 s");
+}
+
+/// What an integrator makes of straight pieces is known: also where a step is as long as a piece, where steps begin within pieces, and
+/// where a second run goes on from between them.
+#[test]
+fn its_integral_is_exact() {
+    let points = [[0.0, 30.0], [0.02, -50.0], [0.03, -50.0], [0.0643, 80.0], [0.08, 10.0], [0.1, 0.0]];
+    let area = |time: f64| {
+        let mut corners: Vec<f64> = points.iter().map(|point| point[0]).filter(|at| *at < time).collect();
+        corners.push(time);
+        let pieces = corners
+            .windows(2)
+            .map(|ends| (ends[1] - ends[0]) * looked_up(&points, 0.5 * (ends[0] + ends[1])));
+        pieces.sum::<f64>()
+    };
+    let builder = volts("integral").drive("u", "volt", element("table").set("points", json!(points)));
+    let program = built(builder.element("A", element("integrator").cords("x10", ["u"])));
+    for (step, backend) in
+        [0.02, 0.01, 5e-3, 3e-3].into_iter().flat_map(|step| Backend::ALL.map(|own| (step, own)))
+    {
+        let mut machine = Machine::new(&program, step).unwrap().on(backend);
+        for length in [0.07, 0.0133, 0.04] {
+            machine.operate(length).unwrap();
+            let (found, expected) = (machine.voltage("A").unwrap(), -10.0 * area(machine.time()));
+            assert!((found - expected).abs() <= 1e-11, "{step} {backend}: {found} {expected}");
+        }
+    }
 }
 
 /// A triangle, recorded on a grid that meets its corners, drives another patch, volt by volt.

@@ -84,6 +84,18 @@ fn turned(program: &Program, dice: &mut Dice) -> Program {
     turned
 }
 
+/// Curves through points, whose corners the lanes cross together.
+#[test]
+fn runs_driven_by_points() {
+    let (circuit, own) = program(&common::driven_by_points("L"), &[]).unwrap();
+    let record = ["u", "S", "A1", "A2"].map(str::to_owned).to_vec();
+    let programs: Vec<_> = (0..19).map(|run| set(&own, &[("g", f64::from(run) / 20.0)])).collect();
+    for every in [1e-3, 2.3e-3] {
+        let settings = RunSettings { record: record.clone(), every, ..RunSettings::of(&circuit).unwrap() };
+        assert_eq!(compared(&programs, &settings, "driven by points"), 0);
+    }
+}
+
 /// An integrator that its own relay turns back: with hysteresis it swings, without it the relay chatters once it is met. A
 /// second one follows it.
 fn kept_by_a_relay() -> Patch {

@@ -34,6 +34,8 @@ pub(super) struct Emitter<'a, 'f> {
     pub columns: &'a Columns,
     /// Of a step, the row in which it begins.
     pub row: Option<Value>,
+    /// Where stands what tables of time give in the middle of a step, and at its end.
+    ahead: Value,
     /// The states that the first stage of a step tries, where they are few: worked out in the step before, from what is
     /// still at hand.
     tried: Vec<Value>,
@@ -60,8 +62,9 @@ impl<'a, 'f> Emitter<'a, 'f> {
             build.ins().load(pointer, constant(), memory, offset as i32)
         };
         let slots = std::array::from_fn(&mut slots);
-        let [states, rates] = [offset_of!(Memory, states), offset_of!(Memory, rates)]
-            .map(|offset| build.ins().load(pointer, constant(), memory, offset as i32));
+        let [states, rates, ahead] =
+            [offset_of!(Memory, states), offset_of!(Memory, rates), offset_of!(Memory, ahead)]
+                .map(|offset| build.ins().load(pointer, constant(), memory, offset as i32));
         let values = vec![None; kernel.layout.all];
         Emitter {
             build,
@@ -76,6 +79,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
             rates,
             columns,
             row: None,
+            ahead,
             tried: Vec::new(),
             values,
             sums: HashMap::new(),
@@ -163,6 +167,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     /// One step between two times, written down in a row: states and rates at its end.
     fn step(&mut self, [time, end]: [Value; 2], next: Value) -> [Vec<Value>; 2] {
         let (kernel, columns) = (self.kernel, self.columns);
+        self.ahead = self.build.ins().iadd_imm_s(next, 8 * columns.scheduled as i64);
         let length = self.build.ins().fsub(end, time);
         let (after, rates, ()) = self.stages([time, length, end], &kernel.quick, |emitter| {
             for (index, slot) in columns.middles.iter().enumerate() {
@@ -332,6 +337,11 @@ impl<'a, 'f> Emitter<'a, 'f> {
             self.values[kernel.layout.states + index] = Some(*state);
         }
         self.values[kernel.layout.time] = Some(time);
+        let scheduled = kernel.scheduled.len();
+        for index in 0..scheduled {
+            let place = if stage < 2 { index } else { scheduled + index };
+            self.values[kernel.layout.scheduled + index] = Some(self.load(self.ahead, place));
+        }
         self.run(&kernel.moving);
         let rates = kernel.rates.iter().map(|slot| self.get(*slot)).collect();
         self.stage = 4;

@@ -45,7 +45,7 @@ pub(crate) struct Native {
 type Entry = unsafe extern "C" fn(*mut Memory) -> u64;
 
 /// How many numbers stand behind each pointer to a frame.
-type Lengths = [usize; 7];
+type Lengths = [usize; 8];
 
 /// What the code reaches.
 #[repr(C)]
@@ -63,6 +63,8 @@ struct Memory {
     /// Of a look: its length, and when it ends.
     length: f64,
     end: f64,
+    /// What tables of time give in its middle, then at its end.
+    ahead: *const f64,
     tables: *const Vec<[f64; 2]>,
     /// Of steps: the row in which they begin, before as many others as there are steps.
     rows: *mut f64,
@@ -108,6 +110,7 @@ impl Native {
     /// The same of no more steps than there is room for in the rows, the first of which is written.
     fn block(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
         let (step, per_second) = steps.grid.numbers();
+        frame.put_scheduled_rows(&self.columns, tables, steps);
         self.enter(self.run, frame, tables, |memory| {
             let (begin, first, count) = (steps.begin, steps.first, steps.count);
             Memory { begin, step, per_second, first, count, ..memory }
@@ -118,6 +121,7 @@ impl Native {
     /// Looks ahead by a step of this length.
     pub fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64) -> Look {
         let end = frame.time + length;
+        frame.put_ahead(tables, [frame.time + 0.5 * length, end]);
         match self.enter(self.look, frame, tables, |memory| Memory { length, end, ..memory }) {
             0 => Look::Quiet,
             1 => Look::Within,
@@ -152,8 +156,8 @@ impl Native {
 
 /// How many numbers of a frame the code may reach.
 fn lengths(frame: &Frame<f64>) -> Lengths {
-    [&frame.slots, &frame.states, &frame.rates, &frame.slopes, &frame.rooms, &frame.stages[3], &frame.rests]
-        .map(Vec::len)
+    let Frame { slots, states, rates, slopes, rooms, rests, ahead, stages: [.., rates_ahead], .. } = frame;
+    [slots, states, rates, slopes, rooms, rests, ahead, rates_ahead].map(Vec::len)
 }
 
 /// How many tables of a program, the first, hold all that a kernel looks up.
@@ -180,6 +184,7 @@ fn memory(frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>]) -> Memory {
         rests: frame.rests.as_mut_ptr(),
         length: 0.0,
         end: 0.0,
+        ahead: frame.ahead.as_ptr(),
         tables: tables.as_ptr(),
         rows: frame.rows.pointer(),
         time: frame.time,
