@@ -158,8 +158,8 @@ static double between(const struct record *r, double sample) {
 }
 
 static double dead(const struct plant *p, double u) {
-    if (fabs(u) <= p->dead) return 0;
-    return p->dead_shape == JUMP ? u : u - copysign(p->dead, u);
+    if (p->dead_shape == SOFT) return u - p->dead * tanh(u / p->dead);
+    return fabs(u) <= p->dead ? 0 : u - copysign(p->dead, u);
 }
 
 static double limited(const struct plant *p, double u) {

@@ -47,7 +47,7 @@ int params_of(const struct system *s);
 
 /* ---- plant: the base and all that may be hidden in it; 0 or NONE where absent */
 enum shape { NONE, EXPONENTIAL, GAUSSIAN, LORENTZIAN, THESIS, LEVEL, DISTANCE, DAHL, LUGRE, ELASTOPLASTIC, LOGARITHMIC,
-             HARD, SOFT, SHIFTED, JUMP, SPRING, REBOUND, LINEAR, CURVED, ROOT, LIMIT, WEIR };
+             HARD, SOFT, SPRING, REBOUND, LINEAR, CURVED, ROOT, LIMIT, WEIR };
 enum { BUMPS = 5 };
 struct plant {
     const struct system *system;

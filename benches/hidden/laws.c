@@ -15,7 +15,7 @@ static enum shape one_of(struct drawing *d, int n, const enum shape *shapes) {
     static const char *NAMES[] = {
         [NONE] = "", [EXPONENTIAL] = "exponential", [GAUSSIAN] = "Gaussian", [LORENTZIAN] = "Lorentzian", [THESIS] = "share lagged, then squared",
         [LEVEL] = "level lagged", [DISTANCE] = "speed lagged over a distance", [DAHL] = "Dahl", [LUGRE] = "LuGre", [ELASTOPLASTIC] = "elastoplastic",
-        [LOGARITHMIC] = "logarithmic", [HARD] = "hard", [SOFT] = "tanh", [SHIFTED] = "shifted", [JUMP] = "jump", [SPRING] = "one-sided spring and damper",
+        [LOGARITHMIC] = "logarithmic", [HARD] = "hard", [SOFT] = "tanh", [SPRING] = "one-sided spring and damper",
         [REBOUND] = "restitution", [LINEAR] = "linear", [CURVED] = "saturating exponential",
         [ROOT] = "square root", [LIMIT] = "limit", [WEIR] = "weir"};
     enum shape shape = shapes[below(d->c, n)];
@@ -158,9 +158,9 @@ static void saturation(struct drawing *d) {
     behind_drive(d);
 }
 
-/* Nothing within +-d; beyond it u - d, or u at once. */
+/* Nothing within +-b, u - b beyond; or u - b tanh(u / b), whose ends are the same. */
 static void dead_zone(struct drawing *d) {
-    d->plant->dead_shape = SHAPE(d, SHIFTED, JUMP);
+    d->plant->dead_shape = SHAPE(d, HARD, SOFT);
     d->plant->dead = noted(d, "b", d->system->drive_unit, d->at->drive * share(d, 0.03, 0.35));
     behind_drive(d);
 }

@@ -11,6 +11,7 @@ struct motion {
     double mass_share;
     enum mode mode;
     double side;               /* SLIDES: sign of the velocity */
+    int touching;              /* the stop as a spring */
     int pressed;               /* against the stop, or full to the brim */
 };
 
@@ -107,10 +108,10 @@ static double inner_rate(const struct motion *m, double v, double z) {
 /* ---- forces on the mass */
 
 /* Stop as a spring: it pushes, never pulls (Kelvin-Voigt, cut off at 0). */
+static double depth(const struct plant *p, double x) { return p->stop_side * x - p->stop_at; }
+
 static double stop_force(const struct plant *p, double x, double v) {
-    double depth = p->stop_side * x - p->stop_at;
-    if (p->stop != SPRING || depth <= 0) return 0;
-    return -p->stop_side * fmax(0, p->stop_stiffness * depth + p->stop_damping * p->stop_side * v);
+    return -p->stop_side * fmax(0, p->stop_stiffness * depth(p, x) + p->stop_damping * p->stop_side * v);
 }
 
 static double bumps(const struct plant *p, double x) {
@@ -147,7 +148,7 @@ static double net_force(const struct motion *m, double t, const double *y, doubl
     double viscous = p->f * thawed(p, t) + (v > 0 ? p->asymmetry : -p->asymmetry);
     double sum = drive - viscous * v - p->quadratic * v * fabs(v) - p->k * x + force_of_time(m, t);
     if (p->system->family == OSCILLATOR) sum -= p->cubic * x * x * x;
-    if (p->stop) sum += stop_force(p, x, v);
+    if (m->touching) sum += stop_force(p, x, v);
     if (p->bump_width > 0) sum += bumps(p, x);
     if (p->bristle) sum -= bristle(p, v, y[Z]);
     return sum;
@@ -218,7 +219,7 @@ static void stepped(const struct motion *m, double t, const double *y, double h,
     for (int i = 0; i < STATES; i++) to[i] = y[i] + h / 6 * (k1[i] + 2 * (k2[i] + k3[i]) + k4[i]);
 }
 
-enum event { NOTHING, BREAKS_LOOSE, COMES_TO_REST, MEETS, LEAVES };
+enum event { NOTHING, BREAKS_LOOSE, COMES_TO_REST, MEETS, LEAVES, TOUCHES };
 
 /* Force on a mass that stands or is pressed against its stop, and the friction that may hold it. */
 static double held_by(const struct motion *m, double t, const double *y, double *force) {
@@ -245,13 +246,14 @@ static enum event mass_event(const struct motion *m, double t, const double *y) 
         double hold = held_by(m, t, y, &force);
         return fabs(force) > hold ? BREAKS_LOOSE : NOTHING;
     }
-    if (p->stop == REBOUND && p->stop_side * y[X] > p->stop_at && p->stop_side * y[V] > 0) return MEETS;
+    if (p->stop == REBOUND && depth(p, y[X]) > 0 && p->stop_side * y[V] > 0) return MEETS;
+    if (p->stop == SPRING && (depth(p, y[X]) > 0) != m->touching) return TOUCHES;
     return m->mode == SLIDES && m->side * y[V] < 0 ? COMES_TO_REST : NOTHING;
 }
 
 static enum event event(const struct motion *m, double t, const double *y) {
     enum family family = m->p->system->family;
-    if (family <= OSCILLATOR) return m->brake || m->p->stop == REBOUND ? mass_event(m, t, y) : NOTHING;
+    if (family <= OSCILLATOR) return m->brake || m->p->stop ? mass_event(m, t, y) : NOTHING;
     if (m->p->overflowing != LIMIT) return NOTHING;
     if (m->pressed) return inflow(m, t, y) < 0 ? LEAVES : NOTHING;
     return y[H1] > m->p->overflow_at ? MEETS : NOTHING;
@@ -283,7 +285,8 @@ static void met(struct motion *m, double *y) {
 
 static void happens(struct motion *m, enum event what, double t, double *y) {
     double force;
-    if (what == MEETS) met(m, y);
+    if (what == TOUCHES) m->touching = !m->touching;
+    else if (what == MEETS) met(m, y);
     else if (what == COMES_TO_REST) halted(m, t, y);
     else if (m->p->overflowing == LIMIT) m->pressed = 0;
     else held_by(m, t, y, &force), m->pressed = 0, set_off(m, force);
