@@ -99,8 +99,8 @@ void through_chain(const struct plant *p, struct record *r);
 
 /* ---- motion.c */
 /* What a run met: the largest share of 100 V; rms of the drive's force, of velocity and of the drive; the drive's peak; states
- * at the start, their ranges; the share of time at rest. */
-struct survey { double share, force, velocity, drive, drive_peak, first[STATES], top[STATES], low[STATES], held; };
+ * at the start and their ranges. */
+struct survey { double share, force, velocity, drive, drive_peak, first[STATES], top[STATES], low[STATES]; };
 struct survey simulate(const struct plant *p, struct record *r, int fine);
 
 /* ---- laws.c */

@@ -12,9 +12,11 @@
  *
  * Of a hundred cases 35 hide nothing, 40 one effect of the library, 13 one that it does not have, 12 two (plan.c). What is
  * hidden is told in laws.c with its source, how it moves in motion.c: ten steps a sample, of which four times as many change a
- * record by a fiftieth of its sigma at most. EGNR, the rms that the best refitted base leaves over
- * sigma, is drawn first, log-uniform over 0.3 ... 30; the base is refitted to the clean train record (refit.c), and sigma
- * follows, within 1e-6 ... 3 % of the output's range. The truth tells the EGNR that came of it.
+ * record by a fiftieth of its sigma at most (rms).
+ *
+ * EGNR, the rms that the best refitted base leaves over sigma, is drawn first, log-uniform over 0.3 ... 30; the base is refitted
+ * to the clean train record (refit.c), and sigma follows, within 1e-6 ... 3 % of the output's range. The truth tells the EGNR that
+ * came of it.
  *
  * Truth: "truth" is "none", a name, "unknown:kind" or two names joined by "+". A junction is the integrator at whose input the
  * effect acts, or the drive that it stands behind. Starts are not told to the tool. Laws that depend on time run on the clock of

@@ -335,7 +335,7 @@ static void surveyed(struct survey *s, const struct motion *m, double t, const d
     if (sys->family <= OSCILLATOR) {
         drive = from_drive(m, t, y, u);
         net = fmax(fabs(drive - p->f * y[V] - p->k * y[X]), fmax(fabs(drive), fabs(p->k * y[X])));
-        s->velocity += y[V] * y[V], s->held += m->mode == STANDS;
+        s->velocity += y[V] * y[V];
     }
     if (sys->family == TANK || sys->family == TANKS) drive = net = p->ku * u;
     s->share = fmax(s->share, fmax(fabs(net) / sys->full_force, fabs(u) / sys->full_drive));
@@ -380,6 +380,6 @@ struct survey simulate(const struct plant *p, struct record *r, int fine) {
         for (int k = 0; k < fine && i + 1 < r->n; k++) over_step(&m, t + k * s->dt / fine, y, s->dt / fine, i * fine + k, fine);
     }
     survey.force = sqrt(survey.force / r->n), survey.velocity = sqrt(survey.velocity / r->n);
-    survey.drive = sqrt(survey.drive / r->n), survey.held /= r->n;
+    survey.drive = sqrt(survey.drive / r->n);
     return survey;
 }
