@@ -123,14 +123,32 @@ static double bumps(const struct plant *p, double x) {
     return sum;
 }
 
-static double way(const struct motion *m, double t) { return along(m->r->way, t / m->p->system->dt * FINE, FINE * m->r->n - 1); }
+/* Place in the fine tables. */
+struct place { int i; double share, step; };
+
+static struct place place_at(const struct motion *m, double t) {
+    double step = m->p->system->dt / FINE, at = t / step;
+    int last = FINE * m->r->n - 2, i = at < 0 ? 0 : at > last ? last : (int)at;
+    return (struct place){i, at - i, step};
+}
 
 /* Velocity of the slide's drive behind its play: all of it or nothing; a mean over the fine step in which it takes the play up. */
+static int goes_with_drive(const struct motion *m, struct place at, double *mean) {
+    const double *way = m->r->way + at.i, *u = m->r->behind + at.i;
+    *mean = (way[1] - way[0]) / at.step;
+    return fabs(*mean - (u[0] + u[1]) / 2) < 1e-6 * fabs(u[0] + u[1]);
+}
+
 static double going(const struct motion *m, double t, double u) {
-    double at = t / m->p->system->dt * FINE, h = m->p->system->dt / FINE;
-    int last = FINE * m->r->n - 2, i = at < 0 ? 0 : at > last ? last : (int)at;
-    double gone = m->r->way[i + 1] - m->r->way[i], asked = h * (m->r->behind[i] + m->r->behind[i + 1]) / 2;
-    return gone == 0 ? 0 : fabs(gone - asked) < 1e-6 * fabs(asked) ? u : gone / h;
+    double mean;
+    return goes_with_drive(m, place_at(m, t), &mean) ? u : mean;
+}
+
+static double way(const struct motion *m, double t) {
+    struct place at = place_at(m, t);
+    double mean, from = m->r->way[at.i], *u = m->r->behind + at.i, s = at.share * at.step;
+    if (!goes_with_drive(m, at, &mean)) return from + mean * s;
+    return from + u[0] * s + (u[1] - u[0]) * at.share * s / 2;
 }
 
 /* Force that comes from the drive: the slide's spring and damper, or the drive itself. */
