@@ -50,9 +50,10 @@ fn runs_are_right_to_the_tolerance() {
     }
 }
 
+/// But for those that a search in measured data begins from: tests/measured.rs holds them against their equations.
 #[test]
 fn every_patch_that_is_shipped_is_a_problem() {
-    for file in files::shipped() {
+    for file in files::shipped().iter().filter(|file| !file.parent().unwrap().ends_with("patches/measured")) {
         let is_it = |problem: &Problem| file.ends_with(format!("patches/{}.json", problem.patch));
         assert!(library::all().any(is_it), "nothing is known of {}", file.display());
     }

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-/// Every patch that comes with the program, whatever its folder; effects are parts of patches.
+/// Every patch that comes with the program, whatever its folder; effects are parts of patches, and experiments name them.
 pub fn shipped() -> Vec<PathBuf> {
     let mut found = patches_in(&rooted("patches"));
-    found.retain(|file| !file.starts_with(rooted("patches/effects")));
+    let is_experiment = |file: &Path| file.to_str().unwrap().ends_with(".experiment.json");
+    found.retain(|file| !file.starts_with(rooted("patches/effects")) && !is_experiment(file));
     assert!(found.len() >= 25, "{found:?}");
     found
 }
