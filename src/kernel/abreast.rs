@@ -58,7 +58,7 @@ impl Formation {
     pub fn leave(&mut self, kernel: &Kernel, lane: usize, one: &mut Frame<f64>) {
         let all = &mut self.frame;
         (one.time, all.aboard) = (all.time, all.aboard & !(1 << lane));
-        let kept = kernel.layout.kept..kernel.layout.noise;
+        let kept = kernel.layout.kept..kernel.layout.levels;
         take(&all.slots[kept.clone()], lane, &mut one.slots[kept]);
         take(&all.states, lane, &mut one.states);
         take(&all.rates, lane, &mut one.rates);

@@ -134,7 +134,7 @@ impl Folder<'_> {
             Op::State(index) => self.node(Node::State(index)),
             Op::Time => self.node(Node::Time),
             Op::Kept(index) => self.node(Node::Kept(index)),
-            Op::Noise(index) => self.node(Node::Noise(index)),
+            Op::Level(index) => self.node(Node::Level(index)),
             Op::Add(a, b) => self.early.sum(&self.forms[a.index()], &self.forms[b.index()], Factor::ONE),
             Op::Subtract(a, b) => {
                 self.early.sum(&self.forms[a.index()], &self.forms[b.index()], Factor::Number(-1.0))

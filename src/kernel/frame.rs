@@ -158,17 +158,17 @@ impl<V: Lane> Extremes<V> {
 }
 
 impl Frame<f64> {
-    /// Puts in what does not move within a step: kept values and noise.
-    pub fn put_standing(&mut self, kernel: &Kernel, kept: &[f64], noise: &[f64]) {
-        let Layout { kept: first, noise: second, .. } = kernel.layout;
-        for (first, values) in [(first, kept), (second, noise)] {
+    /// Puts in what does not move within a step: kept values and levels.
+    pub fn put_standing(&mut self, kernel: &Kernel, kept: &[f64], levels: &[f64]) {
+        let Layout { kept: first, levels: second, .. } = kernel.layout;
+        for (first, values) in [(first, kept), (second, levels)] {
             self.slots[first..first + values.len()].copy_from_slice(values);
         }
     }
 
     /// The kept values.
     pub fn kept(&self, kernel: &Kernel) -> &[f64] {
-        &self.slots[kernel.layout.kept..kernel.layout.noise]
+        &self.slots[kernel.layout.kept..kernel.layout.levels]
     }
 
     /// A voltage that is recorded, as it was worked out last.

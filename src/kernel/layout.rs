@@ -83,8 +83,8 @@ impl Layouter {
         let time = states + program.states.len();
         let scheduled = time + 1;
         let kept = scheduled + self.folded.scheduled.len();
-        let noise = kept + program.kept.len();
-        let results = noise + program.noises.len();
+        let levels = kept + program.kept.len();
+        let results = levels + program.levels.len();
         let mut next = results;
         for node in &self.folded.nodes {
             self.slots.push(match node {
@@ -92,14 +92,14 @@ impl Layouter {
                 Node::Time => time as Slot,
                 Node::Scheduled(index) => scheduled as Slot + index,
                 Node::Kept(index) => kept as Slot + index,
-                Node::Noise(index) => noise as Slot + index,
+                Node::Level(index) => levels as Slot + index,
                 _ => {
                     next += 1;
                     next as Slot - 1
                 }
             });
         }
-        self.layout = Layout { states, time, scheduled, kept, noise, results, all: next };
+        self.layout = Layout { states, time, scheduled, kept, levels, results, all: next };
     }
 
     pub fn operand(&self, operand: Operand) -> Slot {
@@ -213,7 +213,7 @@ impl Layouter {
     fn emit(&self, node: &Node, out: Slot, code: &mut Code) {
         let of = |operand: &Operand| self.operand(*operand);
         let instruction = match node {
-            Node::State(_) | Node::Time | Node::Scheduled(_) | Node::Kept(_) | Node::Noise(_) => return,
+            Node::State(_) | Node::Time | Node::Scheduled(_) | Node::Kept(_) | Node::Level(_) => return,
             Node::Sum(form) => self.sum(form, out, code),
             Node::Multiply(a, b) => Instruction::Multiply { out, a: of(a), b: of(b) },
             Node::Minimum(a, b) => Instruction::Minimum { out, a: of(a), b: of(b) },

@@ -89,7 +89,7 @@ pub(crate) struct Layout {
     pub time: usize,
     pub scheduled: usize,
     pub kept: usize,
-    pub noise: usize,
+    pub levels: usize,
     pub results: usize,
     pub all: usize,
 }

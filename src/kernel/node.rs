@@ -18,7 +18,7 @@ pub(super) enum Node {
     /// What a table gives that is looked up at time itself, by its place among these.
     Scheduled(u32),
     Kept(u32),
-    Noise(u32),
+    Level(u32),
     Sum(Form),
     Multiply(Operand, Operand),
     Minimum(Operand, Operand),
@@ -31,7 +31,7 @@ pub(super) enum Node {
 impl Node {
     pub fn operands(&self) -> Vec<Operand> {
         match self {
-            Node::State(_) | Node::Time | Node::Scheduled(_) | Node::Kept(_) | Node::Noise(_) => Vec::new(),
+            Node::State(_) | Node::Time | Node::Scheduled(_) | Node::Kept(_) | Node::Level(_) => Vec::new(),
             Node::Sum(form) => {
                 let terms = form.terms.iter();
                 let constant = [Operand::Factor(form.constant)];

@@ -86,7 +86,7 @@ impl Columns {
         let followed = kernel.followed.iter().map(|slot| column_of(*slot, &mut ends)).collect();
         let rates = (ends.len() + middles.len()).next_multiple_of(TOGETHER);
         let kept = rates + kernel.rates.len();
-        let kept_slots = kernel.layout.kept..kernel.layout.noise;
+        let kept_slots = kernel.layout.kept..kernel.layout.levels;
         let scheduled = kept + kept_slots.len();
         Columns {
             fences: (0..).zip(fences(all)).chain((ends.len()..).zip(fences(in_middle))).collect(),

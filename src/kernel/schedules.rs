@@ -4,7 +4,7 @@
 use super::Kernel;
 use super::frame::Frame;
 use super::lane::Lane;
-use crate::program::{Number, segment_after};
+use crate::program::segment_after;
 
 /// A table and the piece of it that holds in the present step.
 #[derive(Debug, Clone)]
@@ -56,11 +56,11 @@ impl Schedule {
 }
 
 impl Kernel {
-    /// Goes over to the pieces that hold in the middle of a step.
+    /// Goes over to the pieces that hold at a time: that of the middle of a step, before it.
     #[inline(always)]
-    pub(super) fn begin_pieces<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], middle: f64) {
+    pub(super) fn go_to_pieces<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], time: f64) {
         for schedule in &mut frame.schedules {
-            schedule.go_to(tables, middle);
+            schedule.go_to(tables, time);
         }
     }
 
@@ -73,13 +73,10 @@ impl Kernel {
         }
     }
 
-    /// The same on whatever pieces hold there.
+    /// The same on the pieces that hold there.
     pub(super) fn put_instant<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], time: f64) {
-        let slots = &mut frame.slots[self.layout.scheduled..];
-        for (slot, schedule) in slots.iter_mut().zip(&frame.schedules) {
-            *slot = V::splat(time.table(&tables[schedule.table as usize]));
-        }
-        frame.slots[self.layout.time] = V::splat(time);
+        self.go_to_pieces(frame, tables, time);
+        self.put_time(frame, time);
     }
 }
 

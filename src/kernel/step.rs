@@ -45,7 +45,7 @@ impl Kernel {
         checks: &Checks,
     ) {
         let (half, middle) = (V::splat(0.5 * length), frame.time + 0.5 * length);
-        self.begin_pieces(frame, tables, middle);
+        self.go_to_pieces(frame, tables, middle);
         self.put_time(frame, middle);
         self.stage(frame, tables, 0, half);
         self.stage(frame, tables, 1, half);

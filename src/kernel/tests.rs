@@ -33,7 +33,7 @@ struct Points<'p> {
     modes: Vec<f64>,
     states: Vec<f64>,
     kept: Vec<f64>,
-    noise: Vec<f64>,
+    levels: Vec<f64>,
     time: f64,
 }
 
@@ -47,7 +47,7 @@ impl<'p> Points<'p> {
             modes: Vec::new(),
             states: Vec::new(),
             kept: Vec::new(),
-            noise: Vec::new(),
+            levels: Vec::new(),
             time: 0.0,
         }
     }
@@ -57,7 +57,7 @@ impl<'p> Points<'p> {
         let size = 10f64.powf(dice.even(-2.0, 2.0));
         let mut volts = |count: usize| (0..count).map(|_| dice.even(-size, size)).collect::<Vec<f64>>();
         (self.states, self.kept) = (volts(self.program.states.len()), volts(self.program.kept.len()));
-        self.noise = volts(self.program.noises.len());
+        self.levels = volts(self.program.levels.len());
         self.time = dice.even(0.0, 1.0);
         for (volts, state) in self.states.iter_mut().zip(&self.program.states) {
             *volts += self.coefficients[state.initial as usize];
@@ -93,7 +93,7 @@ impl<'p> Points<'p> {
             time: self.time,
             tables: &self.program.tables,
             kept: &self.kept,
-            noise: &self.noise,
+            levels: &self.levels,
             ..Sources::none()
         };
         self.program.evaluate(&from, &mut self.registers, &mut Scratch::new(self.program));
@@ -119,7 +119,7 @@ impl<'p> Points<'p> {
     /// A kernel's frame there; nothing where the kernel does not hold.
     fn frame(&self, kernel: &Kernel) -> Option<Frame<f64>> {
         let mut frame = kernel.frame::<f64>();
-        frame.put_standing(kernel, &self.kept, &self.noise);
+        frame.put_standing(kernel, &self.kept, &self.levels);
         frame.states.copy_from_slice(&self.states);
         frame.time = self.time;
         kernel.settle(&mut frame, self.program, &self.coefficients, true).then_some(frame)

@@ -7,7 +7,7 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::evaluate::Scratch;
 use super::loops::{LoopFault, Solutions};
-use super::{Loop, Noise, Program, Sources, Unfit, rehearsal};
+use super::{Loop, Program, Sources, Unfit, rehearsal};
 use crate::circuit::Circuit;
 use crate::patch::{Code, Diagnostic, Report, told};
 
@@ -43,21 +43,20 @@ struct Rest {
     restless: Option<usize>,
 }
 
-/// States, and what is delayed, kept and drawn, before anything has happened.
+/// States, and what is delayed, kept and held, before anything has happened.
 fn standing(program: &Program, coefficients: &[f64]) -> [Vec<f64>; 4] {
     let coefficient = |index: u32| coefficients[index as usize];
-    let first = |noise: &Noise| noise.distribution.number(coefficient(noise.seed), 0);
     [
         program.states.iter().map(|state| coefficient(state.initial)).collect(),
         program.delays.iter().map(|delay| coefficient(delay.initial)).collect(),
         program.kept.iter().map(|kept| coefficient(kept.initial)).collect(),
-        program.noises.iter().map(first).collect(),
+        program.first_levels(coefficients),
     ]
 }
 
 /// Works out initial condition until the modes have settled.
 fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest {
-    let [mut states, delayed, kept, noise] = standing(program, coefficients);
+    let [mut states, delayed, kept, levels] = standing(program, coefficients);
     let mut modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
     let (mut registers, mut scratch) = (vec![0.0; program.body.len()], Scratch::new(program));
     let mut restless = None;
@@ -71,7 +70,7 @@ fn at_rest(program: &Program, parameters: &[f64], coefficients: &[f64]) -> Rest 
             tables: &program.tables,
             delayed: &delayed,
             kept: &kept,
-            noise: &noise,
+            levels: &levels,
         };
         scratch.faults.clear();
         program.evaluate(&from, &mut registers, &mut scratch);

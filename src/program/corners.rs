@@ -21,11 +21,11 @@ struct Strays {
 }
 
 impl Corners {
-    /// Adds those of a table.
-    pub fn add(&mut self, points: &[[f64; 2]]) {
-        self.times.extend(points.iter().map(|point| point[0]));
-        self.times.sort_by(f64::total_cmp);
-        self.strays = Mutex::default();
+    /// Those of tables.
+    pub fn of<'a>(tables: impl Iterator<Item = &'a [[f64; 2]]>) -> Self {
+        let mut times: Vec<f64> = tables.flatten().map(|point| point[0]).collect();
+        times.sort_by(f64::total_cmp);
+        Corners { times, strays: Mutex::default() }
     }
 
     /// All of them.
@@ -47,12 +47,6 @@ impl Corners {
     }
 }
 
-impl Clone for Corners {
-    fn clone(&self) -> Self {
-        Corners { times: self.times.clone(), strays: Mutex::default() }
-    }
-}
-
 // What was asked for follows from the times.
 impl fmt::Debug for Corners {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -66,8 +60,9 @@ mod tests {
 
     #[test]
     fn corners_beside_a_grid_are_told() {
-        let mut corners = Corners::default();
-        corners.add(&[0.0, 0.1, 0.25, 0.3 + 1e-11, 0.5 - 1e-4].map(|time| [time, 1.0]));
+        let [first, second] = [&[0.1, 0.25, 0.5 - 1e-4][..], &[0.0, 0.3 + 1e-11]]
+            .map(|times| times.iter().map(|time| [*time, 1.0]).collect::<Vec<_>>());
+        let corners = Corners::of([&first[..], &second].into_iter());
         let off = |begin: f64, step: f64| corners.off(begin, Grid::new(step), 1e-9 * step).to_vec();
         assert_eq!(off(0.0, 0.1), [0.25, 0.5 - 1e-4]);
         assert_eq!(off(0.0, 0.05), [0.5 - 1e-4]);

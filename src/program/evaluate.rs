@@ -82,8 +82,8 @@ fn solution(
     scratch: &mut Scratch,
 ) -> f64 {
     let values = |duals: &[Dual]| duals.iter().map(|dual| dual.value).collect::<Vec<f64>>();
-    let [parameters, coefficients, states, delayed, kept, noise] =
-        [from.parameters, from.coefficients, from.states, from.delayed, from.kept, from.noise].map(values);
+    let [parameters, coefficients, states, delayed, kept, levels] =
+        [from.parameters, from.coefficients, from.states, from.delayed, from.kept, from.levels].map(values);
     let plain = Sources {
         parameters: &parameters,
         coefficients: &coefficients,
@@ -93,7 +93,7 @@ fn solution(
         tables: from.tables,
         delayed: &delayed,
         kept: &kept,
-        noise: &noise,
+        levels: &levels,
     };
     solve_tear(program, index, &plain, &values(registers), scratch)
 }

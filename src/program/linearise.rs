@@ -17,10 +17,10 @@ pub(crate) struct OperatingPoint<'a> {
     /// What has arrived in the delay lines, and its slope in volts per second; `None` before anything has.
     pub delayed: &'a [Option<(f64, f64)>],
     pub kept: &'a [f64],
-    pub noise: &'a [f64],
+    pub levels: &'a [f64],
 }
 
-/// The derivatives of a program's rates at an instant: modes, kept values, noise and the contents of delay lines
+/// The derivatives of a program's rates at an instant: modes, kept values, levels and the contents of delay lines
 /// stand still.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Linearisation {
@@ -78,7 +78,7 @@ impl Program {
         if let Direction::Delayed(index) = direction {
             delayed[index].slope = seed;
         }
-        let (kept, noise) = (seeded(at.kept, None, seed), seeded(at.noise, None, seed));
+        let (kept, levels) = (seeded(at.kept, None, seed), seeded(at.levels, None, seed));
         let from = Sources {
             parameters: &parameters,
             coefficients: &coefficients,
@@ -88,7 +88,7 @@ impl Program {
             tables: &self.tables,
             delayed: &delayed,
             kept: &kept,
-            noise: &noise,
+            levels: &levels,
         };
         let mut registers = vec![Dual::new(0.0, 0.0); self.body.len()];
         let mut scratch = Scratch::new(self);

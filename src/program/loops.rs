@@ -219,7 +219,7 @@ pub(super) fn moved<N: Number>(op: Op, from: &Sources<'_, f64>, get: impl Fn(usi
         | Op::Time
         | Op::Delayed(_)
         | Op::Kept(_)
-        | Op::Noise(_) => N::constant(op.apply(from, |_| f64::NAN)),
+        | Op::Level(_) => N::constant(op.apply(from, |_| f64::NAN)),
         Op::Table(index, at) => get(at.index()).table(&from.tables[index as usize]),
         _ => op.apply(&Sources::none(), |register| get(register.index())),
     }

@@ -206,6 +206,7 @@ impl<'c> Lowering<'c> {
     /// The program, its body in the order in which it is worked out.
     fn arranged(mut self) -> Program {
         let order = self.program.arrange();
+        self.program.find_corners();
         let owners: Vec<usize> = order.into_iter().map(|at| self.owners[at]).collect();
         [self.program.kinks, self.program.guard_kinks] = self.program.find_kinks(&owners);
         self.program.angles = self.program.find_angles(&owners);

@@ -11,6 +11,7 @@ mod corners;
 mod curved;
 mod evaluate;
 mod kinks;
+mod level;
 mod linearise;
 mod loops;
 mod lower;
@@ -41,6 +42,7 @@ pub(crate) use coefficient::{Fault, Unfit};
 pub(crate) use corners::Corners;
 pub(crate) use evaluate::Scratch;
 pub(crate) use kinks::{Crossing, Kink, ON_THE_KINK};
+pub(crate) use level::{Level, held, points_by};
 pub(crate) use loops::LoopFault;
 pub(crate) use noise::{Distribution, Noise};
 pub(crate) use number::{Number, segment, segment_after};
@@ -74,10 +76,13 @@ pub struct Program {
     pub(crate) modes: Vec<Mode>,
     pub(crate) delays: Vec<Delay>,
     pub(crate) kept: Vec<Kept>,
-    pub(crate) noises: Vec<Noise>,
+    /// What drives numbers that stay the same between known instants.
+    pub(crate) levels: Vec<Level>,
     pub(crate) tables: Arc<Tables>,
     /// When tables have corners: no step reaches across one.
     pub(crate) corners: Arc<Corners>,
+    /// The tables that are looked up at time itself.
+    pub(crate) timetables: Vec<Timetable>,
     pub(crate) loops: Vec<Loop>,
     /// Where rates turn corners.
     pub(crate) kinks: Vec<Kink>,
@@ -102,6 +107,15 @@ pub struct Program {
 
 /// The points of every table.
 pub(crate) type Tables = Vec<Vec<[f64; 2]>>;
+
+/// A table that a drive looks up at time itself.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Timetable {
+    pub element: usize,
+    pub table: usize,
+    /// Whether it goes straight from point to point; else each value stays until the next.
+    pub is_straight: bool,
+}
 
 /// A parameter of the patch as the prologue reads it.
 #[derive(Debug, Clone)]
@@ -376,6 +390,28 @@ impl Program {
     /// Index of an element, drive or reference by name.
     pub(crate) fn element(&self, name: &str) -> Option<usize> {
         self.elements.iter().position(|outlet| outlet.name == name)
+    }
+
+    /// Index of a drive by name.
+    pub(crate) fn drive(&self, name: &str) -> Option<usize> {
+        self.element(name).filter(|element| self.drives.contains(&self.elements[*element].register))
+    }
+
+    /// Index of the table that a drive looks up at time itself.
+    pub(crate) fn table_of(&self, drive: usize) -> Option<usize> {
+        self.timetables.iter().find(|own| own.element == drive).map(|own| own.table)
+    }
+
+    /// Gives a table other points.
+    pub(crate) fn put_points(&mut self, table: usize, points: Vec<[f64; 2]>) {
+        Arc::make_mut(&mut self.tables)[table] = points;
+        self.find_corners();
+    }
+
+    /// Notes when tables have corners.
+    pub(crate) fn find_corners(&mut self) {
+        let straight = self.timetables.iter().filter(|own| own.is_straight);
+        self.corners = Arc::new(Corners::of(straight.map(|own| &self.tables[own.table][..])));
     }
 
     /// Index of a parameter by name.

@@ -61,8 +61,8 @@ pub enum Op {
     Table(u32, Register),
     /// What a delay line gives back.
     Delayed(u32),
-    /// The number that holds now of a row drawn by chance.
-    Noise(u32),
+    /// The number that holds now of those that a source gives at known instants: noise, points that are held.
+    Level(u32),
     /// A kept value: as it stood at the end of the last stretch.
     Kept(u32),
     /// Start of a loop without an integrator: the output that opens it, solved here.
@@ -79,7 +79,7 @@ pub(crate) struct Sources<'a, N> {
     pub tables: &'a [Vec<[f64; 2]>],
     pub delayed: &'a [N],
     pub kept: &'a [N],
-    pub noise: &'a [N],
+    pub levels: &'a [N],
 }
 
 impl<N: Number> Sources<'_, N> {
@@ -94,7 +94,7 @@ impl<N: Number> Sources<'_, N> {
             tables: &[],
             delayed: &[],
             kept: &[],
-            noise: &[],
+            levels: &[],
         }
     }
 }
@@ -160,7 +160,7 @@ impl Op {
             Op::Table(index, at) => get(at).table(&from.tables[index as usize]),
             Op::Delayed(index) => from.delayed[index as usize],
             Op::Kept(index) => from.kept[index as usize],
-            Op::Noise(index) => from.noise[index as usize],
+            Op::Level(index) => from.levels[index as usize],
             Op::Tear(_) => N::constant(f64::NAN),
         }
     }

@@ -8,7 +8,7 @@ use super::op::{Op, Register, Sources};
 use super::{Program, Standing};
 use crate::patch::{Callee, Expression, Formula, Function, Node, Operator, TIME_SCALE};
 
-/// The slopes of what operations read besides registers. Modes and noise have none.
+/// The slopes of what operations read besides registers. Modes and levels have none.
 pub(crate) struct Slopes<'a> {
     pub coefficients: &'a [f64],
     pub states: &'a [f64],
@@ -69,7 +69,7 @@ impl Program {
             Op::Time => from.time,
             Op::Delayed(index) => from.delayed[index as usize],
             Op::Kept(index) => from.kept[index as usize],
-            Op::Mode(_) | Op::Noise(_) => 0.0,
+            Op::Mode(_) | Op::Level(_) => 0.0,
             Op::Minimum(a, b) if guide(a) != guide(b) => own(if guide(b) < guide(a) { b } else { a }),
             Op::Maximum(a, b) if guide(a) != guide(b) => own(if guide(b) > guide(a) { b } else { a }),
             Op::Absolute(a) if guide(a) != 0.0 => guide(a).signum() * own(a),

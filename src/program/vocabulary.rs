@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::lower::Lowering;
 use super::{
-    Calm, Delay, Distribution, Guard, Kept, Mode, ModeHandle, Noise, Op, Register, State, TimeConstant,
-    Transition,
+    Calm, Delay, Distribution, Guard, Kept, Level, Mode, ModeHandle, Noise, Op, Register, State,
+    TimeConstant, Timetable, Transition,
 };
 use crate::elements::{Default as SettingDefault, Family, Measure};
 use crate::machines::REFERENCE;
@@ -206,22 +206,40 @@ impl Lowering<'_> {
         self.call(Function::Floor, a)
     }
 
-    /// A setting made of points, looked up.
-    pub fn table(&mut self, name: &str, at: Register) -> Register {
-        self.look_up(self.points(name), at)
-    }
-
     /// Points looked up: straight between them, level outside.
     pub fn look_up(&mut self, points: Vec<[f64; 2]>, at: Register) -> Register {
-        Arc::make_mut(&mut self.program.tables).push(points);
-        self.emit(Op::Table(self.program.tables.len() as u32 - 1, at))
+        let table = self.new_table(points);
+        self.emit(Op::Table(table as u32, at))
     }
 
-    /// The points of a setting have their corners in time: the solver stops there.
-    pub fn corners(&mut self, name: &str) {
-        if let Some(Amount::Points(points)) = self.amount(name) {
-            Arc::make_mut(&mut self.program.corners).add(points);
-        }
+    fn new_table(&mut self, points: Vec<[f64; 2]>) -> usize {
+        let tables = Arc::make_mut(&mut self.program.tables);
+        tables.push(points);
+        tables.len() - 1
+    }
+
+    /// A setting made of points in time, straight from one to the next, level outside: no step goes across its corners.
+    pub fn straight_in_time(&mut self, name: &str) -> Register {
+        let table = self.new_timetable(name, true);
+        let time = self.time();
+        self.emit(Op::Table(table as u32, time))
+    }
+
+    /// A setting made of points in time, each value held until the next, the first before it too.
+    pub fn held_in_time(&mut self, name: &str) -> Register {
+        let table = self.new_timetable(name, false);
+        self.level(Level::Points { table })
+    }
+
+    fn new_timetable(&mut self, name: &str, is_straight: bool) -> usize {
+        let table = self.new_table(self.points(name));
+        self.program.timetables.push(Timetable { element: self.current, table, is_straight });
+        table
+    }
+
+    fn level(&mut self, level: Level) -> Register {
+        self.program.levels.push(level);
+        self.emit(Op::Level(self.program.levels.len() as u32 - 1))
     }
 
     /// Volts per unit of a drive's scale, for values that are not formulas.
@@ -359,9 +377,7 @@ impl Lowering<'_> {
             "uniform" => Distribution::Uniform,
             _ => Distribution::Normal,
         };
-        let index = self.program.noises.len() as u32;
-        self.program.noises.push(Noise { element: self.current, seed, every, distribution });
-        self.emit(Op::Noise(index))
+        self.level(Level::Noise(Noise { element: self.current, seed, every, distribution }))
     }
 
     /// A value of the current element that stays the same within a step, a setting in initial condition.

@@ -1,7 +1,6 @@
 //! Instants at which voltages jump or turn a corner: no step reaches across one.
 
 use super::machine::Machine;
-use super::noise_source::NoiseSource;
 
 /// The error of a cubic through four points in a row, as a share of their fourth difference: at most this.
 const CUBIC: f64 = 1.0 / 24.0;
@@ -62,7 +61,7 @@ impl Machine<'_> {
     }
 
     /// The end of a stretch on the way to a time: no stretch goes across an echo, the corner of a table, or an
-    /// instant at which noise jumps.
+    /// instant at which a level jumps.
     pub(super) fn end_of_stretch(&self, target: f64) -> f64 {
         self.end_before(target, self.program.corners.times())
     }
@@ -73,7 +72,8 @@ impl Machine<'_> {
     }
 
     fn end_before(&self, target: f64, corners: &[f64]) -> f64 {
-        let jumps = self.noises.iter().map(NoiseSource::next);
+        let tables = &self.program.tables;
+        let jumps = self.level_sources.iter().map(|source| source.next(tables));
         let corner = self.next_of(corners);
         let before = jumps.chain(corner).filter(|time| *time < target - SAME * self.step);
         let echoes = self.lines.iter().filter_map(|line| line.echo_before(target));
@@ -91,18 +91,18 @@ impl Machine<'_> {
         corners.get(next).is_some_and(|corner| *corner <= self.time + SAME * self.step)
     }
 
-    /// Takes note of what breaks here: corners of tables, jumps of noise, and the echoes that come out of delay
+    /// Takes note of what breaks here: corners of tables, jumps of levels, and the echoes that come out of delay
     /// lines. Tells whether any voltage may have jumped.
     pub(super) fn meet_breaks(&mut self) -> bool {
         if self.is_at_corner() {
             self.remember_break(0);
         }
         let heard = self.lines.iter_mut().filter_map(|line| line.echoes_by(self.time)).min();
-        let drawn = self.draw_by(self.time + SAME * self.step);
-        if heard.is_some() || drawn {
+        let jumped = self.jump_by(self.time + SAME * self.step);
+        if heard.is_some() || jumped {
             self.evaluate();
-            self.remember_break(if drawn { 0 } else { heard.map_or(0, |echoes| echoes + 1) });
+            self.remember_break(if jumped { 0 } else { heard.map_or(0, |echoes| echoes + 1) });
         }
-        heard.is_some() || drawn
+        heard.is_some() || jumped
     }
 }

@@ -74,7 +74,7 @@ impl Flight {
     /// Begins where the machine is. Tells whether the kernel holds there.
     fn begin(&mut self, machine: &Machine<'_>) -> bool {
         let (kernel, frame) = (&self.folded.kernel, &mut self.frame);
-        frame.put_standing(kernel, &machine.kept, &machine.drawn);
+        frame.put_standing(kernel, &machine.kept, &machine.levels);
         frame.states.copy_from_slice(&machine.states);
         frame.rates.copy_from_slice(&machine.slopes);
         frame.time = machine.time;

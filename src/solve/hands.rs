@@ -100,7 +100,7 @@ impl Machine<'_> {
         }
         self.beside(|own, machine| own.follow_coefficients(machine));
         self.check_differentiable()?;
-        self.draw_anew();
+        self.begin_levels();
         self.check_times()?;
         match self.mode {
             MachineMode::InitialCondition => self.initial_condition(),

@@ -28,7 +28,7 @@ impl Machine<'_> {
             time: self.time,
             delayed: &delayed.collect::<Vec<_>>(),
             kept: &self.kept,
-            noise: &self.drawn,
+            levels: &self.levels,
         };
         differentiate(self.program, &point)
     }

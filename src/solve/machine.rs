@@ -6,7 +6,7 @@ use super::control::Control;
 use super::delay_line::DelayLine;
 use super::error::{RunError, TimeSetting};
 use super::glide::{Flight, Glider};
-use super::noise_source::NoiseSource;
+use super::level_source::{LevelSource, most_jumps};
 use super::overload::{self, Lit};
 use super::run::check_tolerance;
 use super::sensitivity::Sensitivities;
@@ -62,9 +62,9 @@ pub struct Machine<'p> {
     pub(super) bends: Vec<f64>,
     /// The kept values, which stay the same within a step.
     pub(super) kept: Vec<f64>,
-    pub(super) noises: Vec<NoiseSource>,
+    pub(super) level_sources: Vec<LevelSource>,
     /// The numbers that hold now of the noise voltages.
-    pub(super) drawn: Vec<f64>,
+    pub(super) levels: Vec<f64>,
     pub(super) scratch: Scratch,
     pub(super) lamps: Vec<Option<Lit>>,
     pub(super) mode: MachineMode,
@@ -202,8 +202,8 @@ impl<'p> Machine<'p> {
             lines: delay_lines(program, &coefficients, step),
             bends: vec![0.0; program.delays.len()],
             kept: vec![0.0; program.kept.len()],
-            noises: NoiseSource::all(program, &coefficients),
-            drawn: vec![0.0; program.noises.len()],
+            level_sources: LevelSource::all(program, &coefficients),
+            levels: vec![0.0; program.levels.len()],
             scratch: Scratch::new(program),
             lamps: vec![None; program.elements.len()],
             mode: MachineMode::InitialCondition,
@@ -240,7 +240,7 @@ impl<'p> Machine<'p> {
             *value = self.coefficients[kept.initial as usize];
         }
         self.lines.iter_mut().for_each(DelayLine::clear);
-        self.draw_anew();
+        self.begin_levels();
         self.lamps.fill(None);
         self.pushed.fill(0.0);
         self.work = Work::default();
@@ -406,7 +406,7 @@ impl<'p> Machine<'p> {
             tables: &self.program.tables,
             delayed: &self.delayed,
             kept: &self.kept,
-            noise: &self.drawn,
+            levels: &self.levels,
         };
         self.program.evaluate_range(range, &from, registers, &mut self.scratch);
     }
@@ -448,7 +448,7 @@ impl<'p> Machine<'p> {
 }
 
 fn delay_lines(program: &Program, coefficients: &[f64], step: f64) -> Vec<DelayLine> {
-    let jumps = NoiseSource::all(program, coefficients).iter().map(NoiseSource::rate).sum();
+    let jumps = most_jumps(program, &LevelSource::all(program, coefficients));
     let lines = program.delays.iter().map(|delay| {
         let time = coefficients[delay.time as usize] * delay.problem_seconds;
         DelayLine::new(time, coefficients[delay.initial as usize], step).with_room_for(jumps)

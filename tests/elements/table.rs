@@ -5,12 +5,17 @@ use std::fs;
 use patchcord::circuit::Circuit;
 use patchcord::patch::{Patch, PatchBuilder};
 use patchcord::program::Program;
-use patchcord::solve::{self, Backend, Machine, RunSettings};
+use patchcord::solve::{self, Backend, FeedError, Machine, RunSettings};
 use proptest::prelude::*;
 use serde_json::json;
 
 use crate::bench::{ANY, bench_drive, drive_stops_at_100_volts, near, out, waits_in_hold};
 use crate::common::{built, element, program, ran, random_cases, volts};
+
+/// The value of a table whose points hold until the next, the first before it too.
+fn held(points: &[[f64; 2]], time: f64) -> f64 {
+    points.iter().rev().find(|point| point[0] <= time).unwrap_or(&points[0])[1]
+}
 
 /// The value of a table: straight between its points, level outside.
 fn looked_up(points: &[[f64; 2]], time: f64) -> f64 {
@@ -35,18 +40,25 @@ proptest! {
         let program = bench_drive(element("table").set("points", json!(points)));
         let (found, expected) = (out(&ran(&program, 0.1, time)), looked_up(&points, time));
         prop_assert!((found - expected).abs() < 1e-11, "{found} {expected}");
+        let program = bench_drive(element("table").set("points", json!(points)).set("hold", "previous"));
+        let (found, expected) = (out(&ran(&program, 0.1, time)), held(&points, time));
+        prop_assert!((found - expected).abs() < 1e-11, "{found} {expected}");
     }
 }
 
 #[test]
 fn overload() {
-    drive_stops_at_100_volts(element("table").set("points", json!([[0, 130]])), 130.0);
+    for hold in ["linear", "previous"] {
+        drive_stops_at_100_volts(element("table").set("points", json!([[0, 130]])).set("hold", hold), 130.0);
+    }
 }
 
 #[test]
 fn modes() {
     let points = [[0.1, 20.0], [0.5, 60.0], [0.6, -30.0]];
-    waits_in_hold(element("table").set("points", json!(points)), |time| looked_up(&points, time));
+    let table = element("table").set("points", json!(points));
+    waits_in_hold(table.clone(), |time| looked_up(&points, time));
+    waits_in_hold(table.set("hold", "previous"), |time| held(&points, time));
 }
 
 #[test]
@@ -88,31 +100,133 @@ fn units_that_a_file_tells_are_converted() {
     assert!(near(out(&ran(&program, 1e-2, 0.3)), 25.0), "half-way to 0.6 s");
 }
 
-/// What an integrator makes of straight pieces is known: also where a step is as long as a piece, where steps begin within pieces, and
-/// where a second run goes on from between them.
+const POINTS: [[f64; 2]; 6] =
+    [[0.0, 30.0], [0.02, -50.0], [0.03, -50.0], [0.0643, 80.0], [0.08, 10.0], [0.1, 0.0]];
+
+/// The integral of these points from 0 on, on straight lines between them or as a staircase.
+fn area(hold: &str, time: f64) -> f64 {
+    let mut corners: Vec<f64> = POINTS.iter().map(|point| point[0]).filter(|at| *at < time).collect();
+    corners.push(time);
+    let value = |time| if hold == "linear" { looked_up(&POINTS, time) } else { held(&POINTS, time) };
+    corners.windows(2).map(|ends| (ends[1] - ends[0]) * value(0.5 * (ends[0] + ends[1]))).sum()
+}
+
+/// A drive u through these points.
+fn through_points(hold: &str) -> PatchBuilder {
+    let table = element("table").set("points", json!(POINTS)).set("hold", hold);
+    volts("through points").drive("u", "volt", table)
+}
+
+/// What an integrator makes of straight pieces and of steps is known: also where a step is as long as a piece, where steps begin within
+/// pieces, and where a second run goes on from between them.
 #[test]
 fn its_integral_is_exact() {
-    let points = [[0.0, 30.0], [0.02, -50.0], [0.03, -50.0], [0.0643, 80.0], [0.08, 10.0], [0.1, 0.0]];
-    let area = |time: f64| {
-        let mut corners: Vec<f64> = points.iter().map(|point| point[0]).filter(|at| *at < time).collect();
-        corners.push(time);
-        let pieces = corners
-            .windows(2)
-            .map(|ends| (ends[1] - ends[0]) * looked_up(&points, 0.5 * (ends[0] + ends[1])));
-        pieces.sum::<f64>()
-    };
-    let builder = volts("integral").drive("u", "volt", element("table").set("points", json!(points)));
-    let program = built(builder.element("A", element("integrator").cords("x10", ["u"])));
-    for (step, backend) in
-        [0.02, 0.01, 5e-3, 3e-3].into_iter().flat_map(|step| Backend::ALL.map(|own| (step, own)))
+    for (hold, step) in
+        ["linear", "previous"].into_iter().flat_map(|hold| [0.02, 0.01, 5e-3, 3e-3].map(|step| (hold, step)))
     {
-        let mut machine = Machine::new(&program, step).unwrap().on(backend);
-        for length in [0.07, 0.0133, 0.04] {
-            machine.operate(length).unwrap();
-            let (found, expected) = (machine.voltage("A").unwrap(), -10.0 * area(machine.time()));
-            assert!((found - expected).abs() <= 1e-11, "{step} {backend}: {found} {expected}");
+        let program = built(through_points(hold).element("A", element("integrator").cords("x10", ["u"])));
+        for backend in Backend::ALL {
+            let mut machine = Machine::new(&program, step).unwrap().on(backend);
+            for length in [0.07, 0.0133, 0.04] {
+                machine.operate(length).unwrap();
+                let (found, expected) = (machine.voltage("A").unwrap(), -10.0 * area(hold, machine.time()));
+                assert!((found - expected).abs() <= 1e-11, "{hold} {step} {backend}: {found} {expected}");
+            }
+        }
+        let mut machine = Machine::adaptive(&program, 1e-6, step).unwrap();
+        machine.operate(0.12).unwrap();
+        assert!((machine.voltage("A").unwrap() + 10.0 * area(hold, 0.12)).abs() <= 1e-11, "{hold}");
+    }
+}
+
+/// Where the value jumps a sample shows the new one; what went before is seen by the step that ends there.
+#[test]
+fn samples_at_a_jump_show_the_new_value() {
+    let builder =
+        through_points("previous").element("S", element("summer").cords("x1", ["u"])).run(0.1, 0.01);
+    let circuit = Circuit::new(&builder.build().unwrap(), &[]).unwrap();
+    let program = Program::new(&circuit).unwrap();
+    for backend in Backend::ALL {
+        let record = vec!["S".to_owned()];
+        let settings = RunSettings { record, backend, ..RunSettings::of(&circuit).unwrap() };
+        let trace = solve::run(&program, &settings).unwrap();
+        let expected: Vec<f64> = trace.time.iter().map(|time| -held(&POINTS, time + 1e-9)).collect();
+        assert_eq!(trace.tracks[0].volts, expected, "{backend}");
+        let course = trace.tracks[0].courses[0];
+        // 80 V holds between two samples, beside the grid.
+        assert_eq!((course.least.volts, course.most.volts), (-80.0, 50.0), "{backend}");
+    }
+}
+
+/// Behind a delay line the staircase comes out whole, and derivatives by the delay and by a potentiometer are those of its
+/// integral.
+#[test]
+fn a_staircase_is_delayed_and_differentiated() {
+    let builder = through_points("previous")
+        .parameter("T", 0.0311, "s", [0.02, 0.2])
+        .parameter("g", 0.7, "1", [0.0, 1.0])
+        .element("D", element("delay").cord("in", "u").set("delay", "T").set("initial", 0))
+        .element("P", element("pot").cord("in", "D").set("setting", "g"))
+        .element("A", element("integrator").cords("x10", ["P"]));
+    let program = built(builder);
+    for step in [0.01, 4e-3, 1e-3] {
+        let mut machine = Machine::new(&program, step).unwrap();
+        machine.differentiate(&["T", "g"]).unwrap();
+        for _ in 0..3 {
+            machine.operate(0.0377).unwrap();
+            let late = machine.time() - 0.0311;
+            let [by_delay, by_pot] = ["T", "g"].map(|name| machine.sensitivity("A", name).unwrap());
+            let whole = area("previous", late);
+            for (found, expected) in [
+                (machine.voltage("A").unwrap(), -7.0 * whole),
+                (by_delay, 7.0 * held(&POINTS, late)),
+                (by_pot, -10.0 * whole),
+            ] {
+                assert!((found - expected).abs() <= 1e-9, "{step}, {late}: {found} {expected}");
+            }
         }
     }
+}
+
+/// A drive that is fed is one whose points stood in the patch: its values, its corners, and all that runs beside it.
+#[test]
+fn a_drive_takes_other_points() {
+    let builder = |points: &[[f64; 2]], hold: &str| {
+        let table = element("table").set("points", json!(points)).set("hold", hold);
+        let volts = PatchBuilder::new("fed").scale("force", 2, "N").drive("u", "force", table);
+        volts.element("A", element("integrator").cords("x10", ["u"]))
+    };
+    for hold in ["linear", "previous"] {
+        let mut program = built(builder(&[[0.0, 7.0], [0.05, 9.0]], hold));
+        let first = ran(&program, 7e-3, 0.2).voltage("A").unwrap();
+        solve::feed(&mut program, "u", POINTS.to_vec()).unwrap();
+        let fed = program.clone();
+        let expected = ran(&built(builder(&POINTS, hold)), 7e-3, 0.2).voltage("A").unwrap();
+        assert_ne!(first, expected);
+        assert_eq!(ran(&fed, 7e-3, 0.2).voltage("A").unwrap(), expected, "{hold}");
+        assert!((expected + 5.0 * area(hold, 0.2)).abs() <= 1e-11);
+    }
+}
+
+#[test]
+fn what_is_no_table_takes_no_points() {
+    let builder = through_points("linear").drive("s", "volt", element("step").set("height", 3));
+    let mut program = built(builder.element("A", element("integrator").cords("x10", ["u", "s"])));
+    let own = || "u".to_owned();
+    let refused = [
+        ("A", vec![[0.0, 1.0]], FeedError::UnknownDrive("A".to_owned())),
+        ("x", vec![[0.0, 1.0]], FeedError::UnknownDrive("x".to_owned())),
+        ("s", vec![[0.0, 1.0]], FeedError::NotATable("s".to_owned())),
+        ("u", vec![], FeedError::NoPoints(own())),
+        ("u", vec![[0.0, 1.0], [1.0, f64::NAN]], FeedError::NotFinite { drive: own(), place: 1 }),
+        ("u", vec![[f64::INFINITY, 1.0]], FeedError::NotFinite { drive: own(), place: 0 }),
+        ("u", vec![[0.0, 1.0], [1.0, 1.0], [1.0, 2.0]], FeedError::NotRising { drive: own(), place: 2 }),
+    ];
+    for (drive, points, error) in refused {
+        assert_eq!(solve::feed(&mut program, drive, points), Err(error));
+    }
+    let found = ran(&program, 0.01, 0.1).voltage("A").unwrap();
+    assert!((found + 10.0 * (area("linear", 0.1) + 0.3)).abs() <= 1e-11, "nothing has changed: {found}");
 }
 
 /// A triangle, recorded on a grid that meets its corners, drives another patch, volt by volt.

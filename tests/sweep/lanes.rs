@@ -94,6 +94,18 @@ fn runs_driven_by_points() {
         let settings = RunSettings { record: record.clone(), every, ..RunSettings::of(&circuit).unwrap() };
         assert_eq!(compared(&programs, &settings, "driven by points"), 0);
     }
+    // Some go through other points, and share their kernels with the rest.
+    let mut other = own.clone();
+    solve::feed(
+        &mut other,
+        "u",
+        (0..200).map(|place| [0.005 * f64::from(place), 0.3 * f64::from(place)]).collect(),
+    )
+    .unwrap();
+    let some =
+        |run: u32| set(if run.is_multiple_of(3) { &other } else { &own }, &[("g", f64::from(run) / 20.0)]);
+    let programs: Vec<_> = (0..19).map(some).collect();
+    assert_eq!(compared(&programs, &RunSettings { record, ..RunSettings::of(&circuit).unwrap() }, "fed"), 0);
 }
 
 /// An integrator that its own relay turns back: with hysteresis it swings, without it the relay chatters once it is met. A

@@ -16,11 +16,11 @@ impl Emitter<'_, '_> {
         if let Some(value) = self.values[place] {
             return value;
         }
-        let kept = self.kernel.layout.kept..self.kernel.layout.noise;
+        let kept = self.kernel.layout.kept..self.kernel.layout.levels;
         let value = match (self.kernel.number(slot), self.row) {
             (Some(value), _) if value.to_bits() == 0 => self.number(0.0),
             (_, Some(row)) if kept.contains(&place) => self.load(row, self.columns.kept + place - kept.start),
-            // Factors, noise and what is kept without a row never change while the code runs.
+            // Factors, levels and what is kept without a row never change while the code runs.
             _ => self.build.ins().load(types::F64, constant(), self.slots[self.stage], 8 * slot as i32),
         };
         self.values[place] = Some(value);

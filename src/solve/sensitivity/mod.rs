@@ -11,8 +11,8 @@ mod line;
 mod saltation;
 
 use super::error::RunError;
+use super::level_source::most_jumps;
 use super::machine::Machine;
-use super::noise_source::NoiseSource;
 use super::tableau::Tableau;
 use crate::program::{Probe, Program};
 use column::Column;
@@ -144,7 +144,7 @@ impl Machine<'_> {
     }
 
     fn lines_of(&self, slopes: &[f64]) -> Vec<Line> {
-        let jumps: f64 = self.noises.iter().map(NoiseSource::rate).sum();
+        let jumps = most_jumps(self.program, &self.level_sources);
         let lines = self.lines.iter().zip(&self.program.delays).map(|(line, delay)| {
             let longer = slopes[delay.time as usize] * delay.problem_seconds;
             let initial = slopes[delay.initial as usize];
@@ -165,7 +165,7 @@ impl Machine<'_> {
             parameter: self.program.parameters[column.parameter].name.clone(),
             why,
         };
-        for noise in &self.program.noises {
+        for noise in self.program.noises() {
             let slopes = [noise.seed, noise.every].map(|index| column.coefficients[index as usize]);
             if slopes.iter().any(|slope| *slope != 0.0) {
                 let name = self.program.name(noise.element);
