@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use serde_json::{Map, Value, json};
 
 use super::{errors_in_colour, say_json, tell, tell_coloured};
+use patchcord::gap::ExperimentError;
 use patchcord::patch::{PatchError, Report, Severity};
 use patchcord::solve::RunError;
 
@@ -25,6 +26,8 @@ enum Cause {
     Data(String),
     /// The patch is wrong, in these places.
     Report(Box<Report>),
+    /// An experiment is wrong, or its patch or its data are: its report, then that of its patch.
+    Experiment(Vec<Report>),
 }
 
 impl Failure {
@@ -61,6 +64,7 @@ impl Failure {
         match &self.cause {
             Cause::Usage(message) | Cause::Data(message) => tell(&format!("error: {message}")),
             Cause::Report(report) => tell_report(report),
+            Cause::Experiment(reports) => reports.iter().for_each(tell_report),
             Cause::Told(_) => (),
         }
         if self.json {
@@ -73,7 +77,7 @@ impl Failure {
     fn code(&self) -> u8 {
         match &self.cause {
             Cause::Usage(_) | Cause::Told(_) => 2,
-            Cause::Data(_) => 1,
+            Cause::Data(_) | Cause::Experiment(_) => 1,
             Cause::Report(report) if is_of_the_command_line(report) => 2,
             Cause::Report(_) => 1,
         }
@@ -86,6 +90,13 @@ impl Failure {
             }
             Cause::Report(report) => {
                 json!({"ok": false, "patch": report.file, "diagnostics": report.to_json()})
+            }
+            Cause::Experiment(reports) => {
+                let findings = reports.iter().map(Report::to_json);
+                let findings: Value =
+                    findings.flat_map(|told| told.as_array().cloned().unwrap_or_default()).collect();
+                let file = reports.first().map(|report| report.file.as_str());
+                json!({"ok": false, "experiment": file, "diagnostics": findings})
             }
         };
         if let Value::Object(entries) = &mut document {
@@ -134,6 +145,18 @@ impl From<PatchError> for Failure {
         match error {
             PatchError::Text(report) => report.into(),
             error => Failure::data(error.to_string()),
+        }
+    }
+}
+
+impl From<ExperimentError> for Failure {
+    fn from(error: ExperimentError) -> Self {
+        match error {
+            ExperimentError::File(error) => error.into(),
+            ExperimentError::Wrong { experiment, patch } => {
+                let reports = [Some(experiment), patch].into_iter().flatten().map(|report| *report);
+                Failure::new(Cause::Experiment(reports.collect()))
+            }
         }
     }
 }

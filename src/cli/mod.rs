@@ -7,6 +7,7 @@ mod draw;
 mod elements;
 mod failure;
 mod files;
+mod gap;
 mod instant;
 mod linear_report;
 mod linearise;
@@ -64,6 +65,8 @@ enum Command {
     Slideway(slideway::Arguments),
     /// Explain a velocity profile: where it sticks and slips, oscillates and slides, while the command rises
     Profile(profile::Arguments),
+    /// Hold a patch against what was measured: for now, check the data of an experiment
+    Gap(gap::Arguments),
     /// Draw the schematic of a patch, or the patch panel with its cords
     Draw(draw::Arguments),
     /// Small motions about a point: roots, frequencies, damping, Bode plot
@@ -105,6 +108,7 @@ fn carry_out(command: &Command) -> Result<(), Failure> {
         Command::Replay(arguments) => replay::replay(arguments),
         Command::Slideway(arguments) => slideway::slideway(arguments),
         Command::Profile(arguments) => profile::profile(arguments),
+        Command::Gap(arguments) => gap::gap(arguments),
         Command::Draw(arguments) => draw::draw(arguments),
         Command::Linearise(arguments) => linearise::linearise(arguments),
         Command::Elements(arguments) => elements::elements(arguments),

@@ -35,8 +35,8 @@ pub(super) enum Clock {
     Usual,
     /// The times stand in a column.
     Column { name: Placed<String>, unit: Option<Placed<Unit>> },
-    /// They follow each other so evenly, from 0.
-    Even { interval: f64, unit: Option<Unit> },
+    /// They follow each other evenly, from 0, so far apart. `unit` is that of times, in seconds.
+    Even { seconds: f64, unit: f64 },
 }
 
 impl Clock {
@@ -235,7 +235,15 @@ fn even(mut fields: Fields<'_>, unit: Option<Placed<Unit>>, findings: &mut Findi
         findings.push(Diagnostic::at(Code::ExcludingKeys, span, message));
     }
     fields.finish(findings);
-    Some(Clock::Even { interval: interval?.value, unit: unit.map(|unit| unit.value) })
+    let interval = interval?;
+    let unit = unit.map_or(1.0, |unit| unit.value.factor());
+    let seconds = interval.value * unit;
+    if !seconds.is_normal() {
+        let message = format!("samples cannot be {seconds:e} s apart");
+        findings.push(Diagnostic::at(Code::BadNumber, interval.span, message));
+        return None;
+    }
+    Some(Clock::Even { seconds, unit })
 }
 
 /// A unit of time.

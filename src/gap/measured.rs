@@ -205,7 +205,7 @@ impl Reading<'_> {
     /// The seconds of the unit of the times.
     fn seconds(&self, rows: &Rows, findings: &mut Findings) -> Option<f64> {
         match self.clock {
-            Clock::Even { unit, .. } => Some(unit.as_ref().map_or(1.0, Unit::factor)),
+            Clock::Even { unit, .. } => Some(*unit),
             _ => {
                 let told = match self.clock {
                     Clock::Column { unit, .. } => unit.as_ref(),
@@ -245,9 +245,22 @@ impl Reading<'_> {
                 rows.columns[column]
                     .iter_mut()
                     .for_each(|number| *number = target.out_of_si(unit.to_si(*number)));
+                findings.extend(self.too_large(rows, column, target));
             }
         }
         findings.len() == reported
+    }
+
+    /// That a number is too large once it is in the unit of the patch.
+    fn too_large(&self, rows: &Rows, column: usize, target: &Unit) -> Option<Diagnostic> {
+        let row = rows.columns[column].iter().position(|number| !number.is_finite())?;
+        let message = format!(
+            "line {} of {} is too large to hold in {target}, in the column {}",
+            rows.lines[row],
+            self.path.display(),
+            rows.names[column]
+        );
+        Some(Diagnostic::at(Code::NotFinite, self.span(column), message))
     }
 
     fn other_unit(
@@ -284,9 +297,9 @@ impl Reading<'_> {
     /// The even times on which the rows stand.
     fn grid(&self, rows: &Rows, seconds: f64) -> Result<Grid, Diagnostic> {
         match self.clock {
-            Clock::Even { interval, .. } => Ok(Grid {
+            Clock::Even { seconds, .. } => Ok(Grid {
                 begin: 0.0,
-                interval: interval * seconds,
+                interval: *seconds,
                 jitter: 0.0,
                 places: (0..rows.lines.len()).collect(),
             }),

@@ -7,6 +7,7 @@ mod check;
 mod completions;
 mod draw;
 mod files;
+mod gap;
 mod linearise;
 mod macros;
 mod man;

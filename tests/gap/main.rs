@@ -3,7 +3,10 @@
 //! `PATCHCORD_BLESS=1 cargo test --test gap` rewrites the reports.
 
 mod bad;
+#[path = "../common/mutated.rs"]
+mod mutated;
 mod reading;
+mod spoilt;
 
 use std::collections::HashSet;
 use std::fs;

@@ -1,0 +1,238 @@
+//! Bringing a document, its patch and its data together.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::document::{Document, DriveWire, Held, Hold, OutputWire, Source};
+use super::experiment::{Experiment, Feed, LEAST_SAMPLES, Output};
+use super::fittable::to_fit;
+use super::measured::{self, Measured, Wanted, plural};
+use super::motion;
+use super::parts::{Cutting, Part, Use, apart};
+use super::record::Record;
+use super::subject::{Subject, Target};
+use crate::patch::fields::Findings;
+use crate::patch::{Code, Diagnostic, Report, Unit, any_error, suggestion, told};
+
+/// An experiment's document that is being held against patch and data.
+pub(super) struct Bringing<'a> {
+    pub folder: &'a Path,
+    pub document: &'a Document,
+    pub findings: &'a mut Findings,
+}
+
+/// A record's file as it was read.
+struct Read<'a> {
+    /// Without links and detours, so that one file is known by whatever name.
+    path: PathBuf,
+    source: &'a Source,
+    measured: Measured,
+    seconds: f64,
+}
+
+impl Read<'_> {
+    fn cutting(&self) -> Cutting<'_> {
+        Cutting {
+            measured: &self.measured,
+            seconds: self.seconds,
+            range: self.source.range.as_ref(),
+            span: self.source.file.span,
+        }
+    }
+
+    /// Whether both are the same samples.
+    fn is_same(&self, other: &Read<'_>) -> bool {
+        self.path == other.path && self.measured.name == other.measured.name
+    }
+}
+
+/// A part of a file.
+struct Taken<'r> {
+    read: &'r Read<'r>,
+    part: Part,
+}
+
+impl Taken<'_> {
+    /// How many samples were taken in it.
+    fn samples(&self) -> usize {
+        self.read.measured.rows_in(&self.part.places).len()
+    }
+}
+
+impl<'a> Bringing<'a> {
+    /// Document, patch and data as one; of a wrong patch its report. Findings may have made it useless.
+    pub fn together(mut self) -> Result<Experiment, Option<Box<Report>>> {
+        let document = self.document;
+        let subject = match &document.patch {
+            Some(named) => Subject::read(self.folder, named, self.findings),
+            None => Err(None),
+        };
+        let found = subject.as_ref().ok();
+        let drives: Vec<_> = document.drives.iter().map(|drive| self.feed(drive, found)).collect();
+        let outputs: Vec<_> = document.outputs.iter().map(|output| self.output(output, found)).collect();
+        // Data are looked at even where the patch is wrong.
+        let [train, test] = self.records(&drives, &outputs);
+        let subject = subject?;
+        let fed = |name: &str| document.drives.iter().any(|drive| drive.wire.name.value == name);
+        let fit = to_fit(subject.patch(), &fed, document.fit.as_deref(), self.findings);
+        let made = Experiment {
+            file: String::new(),
+            title: document.title.clone(),
+            patch: subject.patch().clone(),
+            drives: drives.into_iter().flatten().collect(),
+            outputs: outputs.into_iter().flatten().collect(),
+            fit,
+            train,
+            test,
+            warnings: Report::new("", "", Vec::new()),
+        };
+        if !any_error(self.findings) {
+            motion::check(&made, document, self.findings);
+        }
+        Ok(made)
+    }
+
+    /// What is trained on, and what is tested on.
+    fn records(&mut self, drives: &[Option<Feed>], outputs: &[Option<Output>]) -> [Vec<Record>; 2] {
+        let document = self.document;
+        let of_drives = drives.iter().map(|feed| feed.as_ref().map(|feed| &feed.unit));
+        let of_outputs = outputs.iter().map(|output| output.as_ref().map(|output| &output.unit));
+        let wanted = wanted(document, of_drives.chain(of_outputs));
+        let trained = self.files(&document.data, &wanted);
+        let tested = match &document.test {
+            Held::Records(sources) => self.files(sources, &wanted),
+            _ => Vec::new(),
+        };
+        let holds: Vec<Hold> = document.drives.iter().map(|drive| drive.hold).collect();
+        let taken = self.parts(&trained, &tested);
+        [Use::Train, Use::Test].map(|used| {
+            let of_use = taken.iter().filter(|taken| taken.part.used == used);
+            of_use.map(|taken| Record::cut(&taken.read.measured, taken.part.places.clone(), &holds)).collect()
+        })
+    }
+
+    fn feed(&mut self, drive: &DriveWire, subject: Option<&Subject>) -> Option<Feed> {
+        let target = subject?.drive(&drive.wire, self.findings)?;
+        let Target { name, unit, per_volt } = target;
+        Some(Feed { drive: name, column: drive.wire.column.value.clone(), hold: drive.hold, unit, per_volt })
+    }
+
+    fn output(&mut self, output: &OutputWire, subject: Option<&Subject>) -> Option<Output> {
+        let Target { name, unit, per_volt } = subject?.signal(&output.wire, self.findings)?;
+        let told_in = output.wire.unit.as_ref().map_or(&unit, |told| &told.value);
+        let sigma = output.sigma.map(|sigma| unit.out_of_si(told_in.to_si(sigma)));
+        let column = output.wire.column.value.clone();
+        Some(Output { signal: name, column, sigma, offset: output.offset, unit, per_volt })
+    }
+
+    /// Reads the files of records.
+    fn files(&mut self, sources: &'a [Source], wanted: &[Wanted<'_>]) -> Vec<Read<'a>> {
+        let mut files = Vec::new();
+        for source in sources {
+            self.check_renamed(source);
+            let read = measured::read(self.folder, source, &self.document.clock, wanted, self.findings);
+            let path = self.folder.join(&source.file.value);
+            let path = fs::canonicalize(&path).unwrap_or(path);
+            files.extend(read.map(|(measured, seconds)| Read { path, source, measured, seconds }));
+        }
+        files
+    }
+
+    /// Refuses other names for columns that the experiment does not read.
+    fn check_renamed(&mut self, source: &Source) {
+        let clock = self.document.clock.column();
+        let known: Vec<_> = clock
+            .into_iter()
+            .chain(self.document.wires().map(|(wire, _)| wire.column.value.as_str()))
+            .collect();
+        for (elsewhere, here) in
+            source.columns.iter().filter(|(elsewhere, _)| !known.contains(&elsewhere.as_str()))
+        {
+            let message =
+                format!("the experiment reads no column {elsewhere} that could be called otherwise");
+            let hint = suggestion(elsewhere, &known);
+            self.findings.push(Diagnostic::at(Code::UnknownName, here.span, message).maybe_hint(hint));
+        }
+    }
+
+    /// The parts of all files, with enough samples each.
+    fn parts<'r>(&mut self, trained: &'r [Read<'r>], tested: &'r [Read<'r>]) -> Vec<Taken<'r>> {
+        let document = self.document;
+        let of_file = |read: &'r Read<'r>| {
+            let parts = read.cutting().parts(document.train.as_ref(), &document.test);
+            parts.into_iter().map(move |part| Taken { read, part })
+        };
+        let entire = |read: &'r Read<'r>| Taken { read, part: read.cutting().entire(Use::Test) };
+        let mut taken: Vec<_> = trained.iter().flat_map(of_file).chain(tested.iter().map(entire)).collect();
+        self.keep_apart(&mut taken);
+        let mut told = HashSet::new();
+        for taken in taken.iter().filter(|taken| taken.samples() < LEAST_SAMPLES) {
+            // Where both parts of a record are too short, that is told once.
+            if told.insert(taken.part.span) {
+                self.findings.push(self.too_few(taken));
+            }
+        }
+        taken
+    }
+
+    /// Nothing is tested on that is trained on.
+    fn keep_apart(&mut self, taken: &mut [Taken<'_>]) {
+        let trained: Vec<_> = taken
+            .iter()
+            .filter(|taken| taken.part.used == Use::Train)
+            .map(|taken| (taken.read, taken.part.places.clone()))
+            .collect();
+        for tested in taken.iter_mut().filter(|taken| taken.part.used == Use::Test) {
+            for (read, places) in trained.iter().filter(|(read, _)| read.is_same(tested.read)) {
+                let shared = apart(places, &mut tested.part.places);
+                if shared > 0 {
+                    let message =
+                        format!("{shared} samples of {} are both trained and tested on", read.measured.name);
+                    self.findings.push(Diagnostic::at(Code::SharedSamples, tested.part.span, message));
+                }
+            }
+        }
+    }
+
+    fn too_few(&self, taken: &Taken<'_>) -> Diagnostic {
+        let (measured, part, seconds) = (&taken.read.measured, &taken.part, taken.read.seconds);
+        let (verb, more) = match (part.used, &self.document.test) {
+            (Use::Test, Held::Rest) => {
+                ("test", "; end \"train\" earlier, or give \"test\" a file of its own")
+            }
+            (Use::Test, _) => ("test", ""),
+            (Use::Train, _) => ("train", ""),
+        };
+        let [from, to] =
+            [0, measured.len().saturating_sub(1)].map(|place| told(measured.time(place) / seconds));
+        let message = format!(
+            "{} has {} to {verb} on, and {LEAST_SAMPLES} are needed",
+            measured.name,
+            plural(taken.samples(), "sample")
+        );
+        let hint =
+            format!("the file has {} of them, at times from {from} to {to}{more}", measured.places.len());
+        Diagnostic::at(Code::TooFewSamples, part.span, message).hint(hint)
+    }
+}
+
+/// What every column of the experiment is needed for.
+fn wanted<'d>(document: &'d Document, targets: impl Iterator<Item = Option<&'d Unit>>) -> Vec<Wanted<'d>> {
+    let sigmas = document
+        .drives
+        .iter()
+        .map(|_| false)
+        .chain(document.outputs.iter().map(|output| output.sigma.is_some()));
+    let wanted = document.wires().zip(targets).zip(sigmas);
+    wanted
+        .map(|(((wire, noun), target), has_sigma)| Wanted {
+            column: &wire.column,
+            noun,
+            name: &wire.name.value,
+            unit: wire.unit.as_ref(),
+            target,
+            has_sigma,
+        })
+        .collect()
+}

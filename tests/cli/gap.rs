@@ -1,0 +1,101 @@
+//! `patchcord gap`
+
+use serde_json::Value;
+
+use super::{code, errors, json, out, patchcord};
+
+const SLIDE: &str = "tests/gap/slide.json";
+
+#[test]
+fn the_check_of_data_is_a_table_a_record() {
+    let told = patchcord(&["gap", SLIDE, "--check"]);
+    assert_eq!((code(&told), errors(&told).as_str()), (0, ""));
+    let text = out(&told);
+    for part in [
+        "tests/gap/slide.json: nothing wrong\nA table that a motor pushes\n",
+        "to fit: M, f\n",
+        "train: slide.csv, 0 ... 5 s, 251 samples every 20 ms\n",
+        "test: slide.csv, 5.02 ... 8 s, 150 samples every 20 ms\n",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    let force = text.lines().find(|line| line.starts_with("force")).unwrap();
+    assert!(force.contains("drive F") && force.contains("1 mN"), "{force}");
+    let position = text.lines().find(|line| line.starts_with("position")).unwrap();
+    assert!(
+        position.contains("signal x") && position.contains("white") && position.contains("10 µm"),
+        "{position}"
+    );
+}
+
+#[test]
+fn the_page_shows_what_is_printed() {
+    let page = std::fs::read_to_string("docs/gap.md").unwrap();
+    let shown = page.split("```text\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    assert_eq!(shown, out(&patchcord(&["gap", SLIDE, "--check"])));
+}
+
+#[test]
+fn the_document_has_what_the_table_has() {
+    let told = json(&patchcord(&["gap", SLIDE, "--check", "--json"]));
+    assert_eq!(
+        (&told["ok"], &told["fit"][0], told["diagnostics"].as_array().unwrap().len()),
+        (&Value::Bool(true), &"M".into(), 0)
+    );
+    let train = &told["records"][0];
+    assert_eq!(
+        (&train["part"], &train["samples"], &train["missing"]),
+        (&"train".into(), &251.into(), &0.into())
+    );
+    let [force, position] = [0, 1].map(|place| &train["columns"][place]);
+    assert_eq!(
+        (&force["drive"], &position["signal"], &position["unit"]),
+        (&"F".into(), &"x".into(), &"m".into())
+    );
+    let near = |value: &Value, wanted: f64| (value.as_f64().unwrap() / wanted - 1.0).abs();
+    assert!(near(&position["noise"]["sigma"], 2e-4) < 0.12, "{position}");
+    assert!(near(&position["step"], 1e-5) < 1e-6, "{position}");
+    assert_eq!(position["power_below"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn a_wrong_experiment_is_told_with_its_place_and_nothing_else() {
+    let bad = "tests/gap/bad/constant-column-output.json";
+    let told = patchcord(&["gap", bad, "--check"]);
+    assert_eq!((code(&told), out(&told).as_str()), (1, ""));
+    assert!(errors(&told).contains(&format!("{bad}:4:20")), "{}", errors(&told));
+    assert!(errors(&told).ends_with(&format!("\n{bad}: 1 error\n")), "{}", errors(&told));
+    let document = json(&patchcord(&["gap", bad, "--check", "--json"]));
+    assert_eq!((&document["ok"], &document["experiment"]), (&Value::Bool(false), &bad.into()));
+    assert_eq!(document["diagnostics"][0]["code"], "constant-column");
+}
+
+#[test]
+fn a_wrong_patch_is_told_beside_the_experiment() {
+    let told = patchcord(&["gap", "tests/gap/bad/bad-patch-wrong.json", "--check", "--json"]);
+    assert_eq!(code(&told), 1);
+    let document = json(&told);
+    let codes = [0, 1].map(|place| document["diagnostics"][place]["code"].as_str().unwrap());
+    assert_eq!(codes, ["bad-patch", "unknown-kind"]);
+    assert!(errors(&told).contains("did you mean \"summer\"?"), "{}", errors(&told));
+}
+
+#[test]
+fn warnings_are_told_and_stop_nothing() {
+    let told = patchcord(&["gap", "tests/gap/bad/sampling-gap.json", "--check"]);
+    assert_eq!(code(&told), 0);
+    assert!(errors(&told).starts_with("warning[sampling-gap]"), "{}", errors(&told));
+    assert!(
+        out(&told).contains("no errors, 1 warning") && out(&told).contains("of them missing"),
+        "{}",
+        out(&told)
+    );
+}
+
+#[test]
+fn what_is_not_there_is_named() {
+    let told = patchcord(&["gap", "no/such.json", "--check", "--json"]);
+    assert_eq!(code(&told), 1);
+    assert!(json(&told)["error"].as_str().unwrap().starts_with("cannot read no/such.json"));
+    assert_eq!(code(&patchcord(&["gap", SLIDE])), 2, "what to do is asked for");
+}
