@@ -134,7 +134,8 @@ impl Experiment {
         }
     }
 
-    /// The patch with a table of one point, zero, in place of every drive that data feed.
+    /// The patch with a table of one point, zero, in place of every drive that data feed, held as the experiment says: what
+    /// [`solve::feed`](crate::solve::feed) takes.
     ///
     /// # Errors
     /// None that is known: what is put in place of a drive is one.
@@ -144,7 +145,7 @@ impl Experiment {
             let scale = scale.map(|scale| scale.value.as_str());
             Edit {
                 path: vec!["drives".to_owned(), feed.drive.clone()],
-                value: json!({"kind": "table", "scale": scale, "points": [[0, 0]]}),
+                value: json!({"kind": "table", "scale": scale, "points": [[0, 0]], "hold": feed.hold.as_str()}),
             }
         };
         let edits: Vec<_> = self.drives.iter().map(table).collect();

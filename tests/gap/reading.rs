@@ -174,11 +174,13 @@ fn times_written_with_few_digits_are_even_enough() {
 fn a_signal_has_its_factor_and_a_drive_becomes_a_table() {
     let folder = folder();
     put(&folder, "data.csv", &table(0..80, 0.1));
-    let made = read(&folder, &json!({"outputs": {"v": "v"}}));
+    let held = json!({"F": {"column": "F", "hold": "previous"}});
+    let made = read(&folder, &json!({"drives": held, "outputs": {"v": "v"}}));
     assert_eq!((made.outputs[0].per_volt, made.drives[0].per_volt), (-0.01, 0.1));
     let fed = made.patch_to_feed().unwrap();
     assert_eq!((made.patch.drives["F"].kind.name, fed.drives["F"].kind.name), ("step", "table"));
     assert_eq!(fed.drives["F"].scale.as_ref().unwrap().value, "force");
+    assert_eq!(fed.value()["drives"]["F"]["hold"], "previous");
     let circuit = Circuit::new(&fed, &[]).unwrap_or_else(|report| panic!("{report}"));
     Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
 }
