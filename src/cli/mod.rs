@@ -4,10 +4,13 @@ mod check;
 mod completions;
 mod criteria;
 mod draw;
+mod effects;
 mod elements;
 mod failure;
 mod files;
 mod gap;
+mod gap_check;
+mod gap_report;
 mod instant;
 mod linear_report;
 mod linearise;
@@ -73,6 +76,8 @@ enum Command {
     Linearise(linearise::Arguments),
     /// List the computing elements and drives, or tell all about one
     Elements(elements::Arguments),
+    /// List the effects that a patch may lack, or tell all about one
+    Effects(effects::Arguments),
     /// List the machines that patches can be made for
     Machines(machines::Arguments),
     /// Print what a shell needs to complete commands and options
@@ -112,6 +117,7 @@ fn carry_out(command: &Command) -> Result<(), Failure> {
         Command::Draw(arguments) => draw::draw(arguments),
         Command::Linearise(arguments) => linearise::linearise(arguments),
         Command::Elements(arguments) => elements::elements(arguments),
+        Command::Effects(arguments) => effects::effects(arguments),
         Command::Machines(arguments) => machines::machines(arguments),
         Command::Completions(arguments) => completions::completions(arguments),
         Command::Man(arguments) => man::man(arguments),

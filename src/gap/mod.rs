@@ -2,15 +2,29 @@
 //!
 //! An [`Experiment`] is a patch and what was measured on the thing that it stands for. [`Experiment::read`] brings both
 //! together: columns of CSV files in the units of the patch, evenly sampled, cut into a part to fit to and a part to test on.
+//! What a patch may lack stands in a [`Library`](effect::Library); [`site`] finds where there is room for it, [`graft`] wires it
+//! in, [`model`] runs the patch beside the records, [`fit`] turns its parameters, and [`search`] does all that for every
+//! effect and judges what came of it.
 
+pub mod candidate;
 mod document;
+pub mod effect;
 mod examine;
 mod experiment;
+pub mod fit;
 mod fittable;
+pub mod graft;
 mod measured;
+pub mod model;
 mod motion;
 mod parts;
+pub mod reach;
 mod record;
+pub mod report;
+pub mod score;
+pub mod search;
+pub mod site;
+pub mod stage;
 mod subject;
 mod together;
 

@@ -108,7 +108,8 @@ impl Kernel {
     pub(super) fn put_fences(&self, frame: &mut Frame<f64>) {
         frame.rows.forget_fences();
         for (index, fence) in self.fences.iter().enumerate() {
-            let mut range = [f64::NEG_INFINITY, f64::INFINITY];
+            // What is infinite is within no fence.
+            let mut range = [f64::MIN, f64::MAX];
             for Posted { watch, line } in &fence.watches {
                 let of = |slot: Slot| frame.slots[slot as usize];
                 let [constant, factor] = line.map_or([0.0, 1.0], |line| line.map(of));

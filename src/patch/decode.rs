@@ -223,7 +223,7 @@ fn shown(node: &Node, findings: &mut Findings) -> Vec<Placed<String>> {
     words(node, "y", findings)
 }
 
-pub(super) fn formula(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<Formula>> {
+pub(crate) fn formula(node: &Node, key: &str, findings: &mut Findings) -> Option<Placed<Formula>> {
     let value = match &node.value {
         Content::Number(_) => Formula::constant(number(node, key, findings)?),
         Content::Text(text) => Formula::parse(text)

@@ -45,7 +45,7 @@ pub use phase::{Change, Phase, Until};
 pub use schema::json_schema;
 pub use units::{Dimension, Unit, UnitError, engineering};
 
-pub(crate) use decode::{range, unit_of};
+pub(crate) use decode::{formula as formula_at, range, unit_of};
 pub(crate) use derivative::{derivative_name, derivative_of, derivative_unit};
 pub(crate) use diagnostic::{any_error, behind, outside, told};
 pub(crate) use file::text_of;

@@ -97,5 +97,29 @@ fn what_is_not_there_is_named() {
     let told = patchcord(&["gap", "no/such.json", "--check", "--json"]);
     assert_eq!(code(&told), 1);
     assert!(json(&told)["error"].as_str().unwrap().starts_with("cannot read no/such.json"));
-    assert_eq!(code(&patchcord(&["gap", SLIDE])), 2, "what to do is asked for");
+    assert_eq!(code(&patchcord(&["gap", SLIDE, "--check", "--out", "found"])), 2, "a check writes nothing");
+}
+
+#[test]
+fn what_is_missing_is_named_and_written_as_a_patch() {
+    let folder = tempfile::tempdir().unwrap();
+    let out_folder = folder.path().join("found");
+    let told = patchcord(&[
+        "gap",
+        "tests/gap/hidden/saturation/experiment.json",
+        "--out",
+        out_folder.to_str().unwrap(),
+    ]);
+    assert_eq!((code(&told), errors(&told).as_str()), (0, ""));
+    let text = out(&told);
+    let page = std::fs::read_to_string("docs/gap.md").unwrap();
+    let first = text.lines().next().unwrap();
+    assert!(page.contains(first) && first.ends_with("saturation at u is missing"), "{text}");
+    let augmented = out_folder.join("augmented.json");
+    let checked = patchcord(&["check", augmented.to_str().unwrap()]);
+    assert_eq!(code(&checked), 0, "{}", errors(&checked));
+    let report = std::fs::read_to_string(out_folder.join("report.json")).unwrap();
+    let report: Value = serde_json::from_str(&report).unwrap();
+    assert_eq!((&report["verdict"], &report["effects"][0]["name"]), (&"named".into(), &"saturation".into()));
+    assert_eq!(report["patch"], Value::from(augmented.display().to_string()));
 }

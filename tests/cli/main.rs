@@ -6,6 +6,7 @@ mod common;
 mod check;
 mod completions;
 mod draw;
+mod effects;
 mod files;
 mod gap;
 mod linearise;

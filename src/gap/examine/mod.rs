@@ -10,6 +10,7 @@ pub use spectrum::SHARES;
 use noise::noise;
 use quantum::quantum;
 use spectrum::frequencies_below;
+pub(super) use spectrum::peaks;
 
 /// What a column is like. Values are in its unit.
 #[derive(Debug, Clone, PartialEq)]

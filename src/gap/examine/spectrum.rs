@@ -8,6 +8,34 @@ pub const SHARES: [f64; 3] = [0.5, 0.9, 0.99];
 /// The frequencies in Hz below which the shares [`SHARES`] of the power lie, of evenly spaced samples, `interval` seconds apart, the
 /// mean and a straight trend left out. Missing samples lie on straight lines. `None` where nothing moves.
 pub(super) fn frequencies_below(samples: &[f64], interval: f64) -> Option<[f64; SHARES.len()]> {
+    let (powers, step) = powers(samples, interval)?;
+    let whole: f64 = powers.iter().sum();
+    let frequency = |share: f64| {
+        let mut sum = 0.0;
+        let reached = |power: &f64| {
+            sum += power;
+            sum >= share * whole
+        };
+        let place = powers.iter().position(reached).unwrap_or(powers.len() - 1);
+        (place + 1) as f64 * step
+    };
+    (whole > 0.0).then(|| SHARES.map(frequency))
+}
+
+/// The frequencies in Hz of the highest peaks of the power, the highest first.
+pub(in crate::gap) fn peaks(samples: &[f64], interval: f64, count: usize) -> Vec<f64> {
+    let Some((powers, step)) = powers(samples, interval) else { return Vec::new() };
+    let is_peak = |place: &usize| {
+        let beside = [place.checked_sub(1), Some(place + 1)].into_iter().flatten();
+        beside.filter_map(|other| powers.get(other)).all(|other| *other < powers[*place])
+    };
+    let mut peaks: Vec<usize> = (0..powers.len()).filter(is_peak).collect();
+    peaks.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
+    peaks.into_iter().take(count).map(|place| (place + 1) as f64 * step).collect()
+}
+
+/// The power at 1, 2, ... times a frequency in Hz, which is the other number; `None` where there are too few samples.
+fn powers(samples: &[f64], interval: f64) -> Option<(Vec<f64>, f64)> {
     let level = without_trend(&filled(samples)?);
     let count = level.len();
     let window = |place: usize| 0.5 - 0.5 * libm::cos(TAU * (place as f64 + 0.5) / count as f64);
@@ -17,18 +45,7 @@ pub(super) fn frequencies_below(samples: &[f64], interval: f64) -> Option<[f64; 
     let mut imaginary = vec![0.0; size];
     transform(&mut real, &mut imaginary);
     let power = |place: usize| real[place] * real[place] + imaginary[place] * imaginary[place];
-    let powers: Vec<f64> = (1..=size / 2).map(power).collect();
-    let whole: f64 = powers.iter().sum();
-    let frequency = |share: f64| {
-        let mut sum = 0.0;
-        let reached = |power: &f64| {
-            sum += power;
-            sum >= share * whole
-        };
-        let place = powers.iter().position(reached).unwrap_or(powers.len() - 1);
-        (place + 1) as f64 / (size as f64 * interval)
-    };
-    (whole > 0.0).then(|| SHARES.map(frequency))
+    Some(((1..=size / 2).map(power).collect(), 1.0 / (size as f64 * interval)))
 }
 
 /// The samples, missing ones on straight lines between their neighbours; `None` where there are too few.

@@ -29,7 +29,7 @@ impl Factor {
         format!("{}{}", self.prefix.name, self.symbol.name)
     }
 
-    fn raised(self, power: f64) -> Self {
+    pub fn raised(self, power: f64) -> Self {
         Self { power: self.power * power, ..self }
     }
 }

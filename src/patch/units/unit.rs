@@ -80,6 +80,23 @@ impl Unit {
         }
     }
 
+    /// The unit of a product of quantities, each raised to a power: `N s2/m2` for `N` and `m/s` to the power -2.
+    pub fn of_product<'u>(parts: impl IntoIterator<Item = (&'u Unit, f64)>) -> Self {
+        let mut factors: Vec<Factor> = Vec::new();
+        for (unit, power) in parts {
+            for factor in unit.factors.iter().map(|factor| factor.raised(power)) {
+                let is_same = |own: &&mut Factor| own.prefix == factor.prefix && own.symbol == factor.symbol;
+                match factors.iter_mut().find(is_same) {
+                    Some(own) => own.power += factor.power,
+                    None => factors.push(factor),
+                }
+            }
+        }
+        factors.retain(|factor| factor.power != 0.0);
+        let (factor, dimension) = (size_of(&factors), dimension_of(&factors));
+        Self { text: text_of(&factors), factor, dimension, factors }
+    }
+
     pub(super) fn factors(&self) -> &[Factor] {
         &self.factors
     }
@@ -243,6 +260,14 @@ mod tests {
             assert_eq!(found.text(), rate);
             assert_eq!(found, unit(rate), "{text}");
         }
+    }
+
+    #[test]
+    fn products_have_the_units_of_their_factors() {
+        let drag = Unit::of_product([(&unit("N"), 1.0), (&unit("mm/s"), -2.0)]);
+        assert_eq!((drag.text(), drag.factor()), ("N s2/mm2", 1e6));
+        assert_eq!(Unit::of_product([(&unit("m/s"), 1.0), (&unit("s"), 1.0)]).text(), "m");
+        assert_eq!(Unit::of_product([(&unit("N"), 1.0), (&unit("N"), -1.0)]), unit("1"));
     }
 
     proptest! {

@@ -1,0 +1,65 @@
+//! The cases, and the truth about them, which lies apart.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::Outcome;
+
+/// Cases made by the program in benches/hidden.
+pub struct Hidden {
+    folder: tempfile::TempDir,
+}
+
+/// What is hidden in a case.
+pub struct Truth {
+    /// "none", a name, "unknown:kind" or two names joined by "+".
+    pub what: String,
+    /// Name and junction of each effect.
+    pub effects: Vec<(String, String)>,
+    /// The rms that the best base leaves, over sigma.
+    pub egnr: f64,
+}
+
+impl Hidden {
+    /// Builds the program and lets it make so many cases.
+    pub fn made(seed: u64, cases: usize) -> Outcome<Hidden> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let folder = tempfile::tempdir()?;
+        let program = folder.path().join("hidden");
+        let sources = root.join("benches/hidden").read_dir()?.filter_map(|entry| Some(entry.ok()?.path()));
+        let sources = sources.filter(|file| file.extension().is_some_and(|ending| ending == "c"));
+        succeed(Command::new("cc").arg("-O2").args(sources).arg("-o").arg(&program).arg("-lm"))?;
+        let mut make = Command::new(&program);
+        make.arg("--seed").arg(seed.to_string()).arg("--cases").arg(cases.to_string());
+        succeed(make.arg("--out").arg(folder.path()).arg("--patches").arg(root.join("tests/gap/systems")))?;
+        Ok(Hidden { folder })
+    }
+
+    /// The experiment of a case.
+    pub fn experiment(&self, number: usize) -> PathBuf {
+        self.folder.path().join(format!("{number:04}/experiment.json"))
+    }
+
+    /// What is hidden in it.
+    pub fn truth(&self, number: usize) -> Outcome<Truth> {
+        let text = std::fs::read_to_string(self.folder.path().join(format!("truth/{number:04}.json")))?;
+        let told: Value = serde_json::from_str(&text)?;
+        let word = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+        let effects = told["effects"].as_array().into_iter().flatten();
+        Ok(Truth {
+            what: word(&told["truth"]),
+            effects: effects.map(|own| (word(&own["name"]), word(&own["junction"]))).collect(),
+            egnr: told["egnr"].as_f64().unwrap_or_default(),
+        })
+    }
+}
+
+fn succeed(command: &mut Command) -> Outcome<()> {
+    let output = command.output()?;
+    if output.status.success() {
+        return Ok(());
+    }
+    Err(format!("{command:?}: {}", String::from_utf8_lossy(&output.stderr)).into())
+}

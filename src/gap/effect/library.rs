@@ -1,0 +1,81 @@
+//! The effects that are known: those of the program, and those of a folder.
+
+use std::path::Path;
+
+use indexmap::IndexMap;
+
+use super::Effect;
+use crate::output::refusal;
+use crate::patch::Report;
+
+/// The files of `patches/effects`: name and text.
+static SHIPPED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/effects.rs"));
+
+/// Effects by name.
+#[derive(Debug, Clone, Default)]
+pub struct Library {
+    effects: IndexMap<String, Effect>,
+}
+
+/// Why effects could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum EffectError {
+    /// The file system refused.
+    #[error("cannot read {file}: {}", refusal(source))]
+    File {
+        /// The file or folder.
+        file: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file is no effect.
+    #[error(transparent)]
+    Text(#[from] Box<Report>),
+}
+
+impl Library {
+    /// The effects that are part of the program.
+    pub fn shipped() -> Library {
+        let mut library = Library::default();
+        for (file, text) in SHIPPED {
+            let added = library.add(&format!("patches/effects/{file}"), text);
+            added.unwrap_or_else(|report| unreachable!("what is part of the program is tested: {report}"));
+        }
+        library
+    }
+
+    /// The same with every `.json` file of a folder, in the order of their names; one that has the name of another takes
+    /// its place.
+    ///
+    /// # Errors
+    /// When the folder or a file in it cannot be read, or is no effect.
+    pub fn and_folder(mut self, folder: &Path) -> Result<Library, EffectError> {
+        let refused = |path: &Path, source| EffectError::File { file: path.display().to_string(), source };
+        let entries = std::fs::read_dir(folder).map_err(|source| refused(folder, source))?;
+        let files: Result<Vec<_>, _> = entries.map(|entry| entry.map(|entry| entry.path())).collect();
+        let mut files = files.map_err(|source| refused(folder, source))?;
+        files.retain(|file| file.extension().is_some_and(|ending| ending == "json"));
+        files.sort();
+        for file in files {
+            let text = std::fs::read_to_string(&file).map_err(|source| refused(&file, source))?;
+            self.add(&file.display().to_string(), &text)?;
+        }
+        Ok(self)
+    }
+
+    fn add(&mut self, file: &str, text: &str) -> Result<(), Box<Report>> {
+        let effect = Effect::parse(file, text)?;
+        self.effects.insert(effect.name.clone(), effect);
+        Ok(())
+    }
+
+    /// Every effect, in the order of their names.
+    pub fn iter(&self) -> impl Iterator<Item = &Effect> {
+        self.effects.values()
+    }
+
+    /// An effect by name.
+    pub fn get(&self, name: &str) -> Option<&Effect> {
+        self.effects.get(name)
+    }
+}

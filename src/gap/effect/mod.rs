@@ -1,0 +1,144 @@
+//! Effects that a patch may lack: fragments of a few elements, with the places where they attach, parameters and physics.
+
+mod library;
+mod page;
+mod read;
+
+use indexmap::IndexMap;
+use serde_json::{Map, Value};
+
+use crate::patch::{Formula, Unit};
+
+pub use library::{EffectError, Library};
+pub use page::Page;
+
+/// A physical effect as a fragment that can be wired into a patch: one file of `patches/effects`.
+#[derive(Debug, Clone)]
+pub struct Effect {
+    /// Its name: the stem of its file.
+    pub name: String,
+    /// What people call it.
+    pub title: String,
+    /// Its law as a formula.
+    pub law: String,
+    /// Its physics in a sentence.
+    pub physics: String,
+    /// Where law and physics are from.
+    pub source: String,
+    /// What data must hold for it to be judged.
+    pub excitation: String,
+    /// Other effects that are the same thing, and when.
+    pub aliases: IndexMap<String, String>,
+    /// What is fitted, by name.
+    pub parameters: IndexMap<String, EffectParameter>,
+    /// The ways to wire it.
+    pub forms: Vec<Form>,
+}
+
+/// A parameter of an effect. It has the unit of its reach; range and starts count in reaches.
+#[derive(Debug, Clone)]
+pub struct EffectParameter {
+    /// A product of powers of what is largest where it attaches.
+    pub reach: Formula,
+    /// Least and largest value searched.
+    pub range: [f64; 2],
+    /// From where fits begin.
+    pub start: Start,
+    /// The value at which there is no effect, in reaches.
+    pub none: Option<f64>,
+    /// What it is.
+    pub description: String,
+}
+
+/// From where fits begin.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Start {
+    /// From each of these values.
+    Values(Vec<f64>),
+    /// From the frequencies of which the recovered force is full.
+    Spectrum,
+}
+
+/// A way to wire an effect.
+#[derive(Debug, Clone)]
+pub struct Form {
+    /// What sets it apart from the other forms.
+    pub note: String,
+    /// Where it attaches.
+    pub at: Attachment,
+    /// Of a cord, the unit in which what comes through it must be measurable.
+    pub signal: Option<Unit>,
+    /// What it reads.
+    pub reads: Vec<Reads>,
+    /// What its elements are wired to.
+    pub gives: Vec<(Gives, String)>,
+    /// Powers of ten that keep its potentiometers within 0 ... 1, by name: at least what the formula comes to.
+    pub gains: IndexMap<String, Formula>,
+    /// Its drives, as in a patch.
+    pub drives: Map<String, Value>,
+    /// Its elements, as in a macro.
+    pub elements: Map<String, Value>,
+    /// Its states of which the data find the initial voltage.
+    pub free: Vec<String>,
+    /// The parameters that it has.
+    pub parameters: Vec<String>,
+}
+
+/// Words that documents choose one of.
+macro_rules! words {
+    ($(#[$doc:meta])* $name:ident { $($variant:ident $text:literal $meaning:literal),* $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum $name {
+            $(#[doc = $meaning] $variant,)*
+        }
+
+        impl $name {
+            /// Every one, in the order of listings.
+            pub const ALL: &[$name] = &[$($name::$variant),*];
+
+            /// The word for it in documents.
+            pub fn word(self) -> &'static str {
+                match self { $($name::$variant => $text,)* }
+            }
+
+            /// What it means.
+            pub fn meaning(self) -> &'static str {
+                match self { $($name::$variant => $meaning,)* }
+            }
+        }
+    };
+}
+
+words! {
+    /// Where a fragment attaches.
+    Attachment {
+        Motion "motion" "the input of an integrator that gives a velocity",
+        Store "store" "the input of an integrator that gives something else: a level, a temperature, a voltage",
+        Sum "sum" "the input of any integrator that does more than integrate a velocity",
+        Drive "drive" "in the cords of a drive",
+        Level "level" "in the cords of a friction level, which drives a brake or the bias of a dead zone",
+        Total "total" "between all that drives an integrator and the integrator",
+    }
+}
+
+words! {
+    /// What a fragment reads.
+    Reads {
+        Own "own" "what the integrator gives, positive where it is",
+        Position "position" "a signal of its time integral",
+        Load "load" "a signal or drive in the unit of the sum",
+        In "in" "what came through the cord",
+    }
+}
+
+words! {
+    /// What an element of a fragment is wired to.
+    Gives {
+        Add "add" "the sum, upward",
+        Subtract "subtract" "the sum, downward",
+        Brake "brake" "the brake of the integrator",
+        Out "out" "what the cord drove",
+        AddToNext "add_to_next" "the sum of another integrator of the same kind, upward",
+    }
+}

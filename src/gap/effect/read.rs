@@ -1,0 +1,183 @@
+//! Effects read from their documents.
+
+use std::path::Path;
+
+use indexmap::IndexMap;
+use serde_json::{Map, Value};
+
+use super::{Attachment, Effect, EffectParameter, Form, Gives, Reads, Start};
+use crate::patch::fields::{Fields, Findings, list, number, word, words};
+use crate::patch::tree::{self, Content, Node};
+use crate::patch::{Code, Diagnostic, Formula, Placed, Report, Span, formula_at, suggestion, unit_of};
+
+/// The version of the format that this program reads.
+const FORMAT: f64 = 1.0;
+
+impl Effect {
+    /// Reads an effect; its name is the stem of the file's.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the document, all at once.
+    pub fn parse(file: &str, text: &str) -> Result<Effect, Box<Report>> {
+        let fail = |findings| Box::new(Report::new(file, text, findings));
+        let root = tree::parse(text).map_err(|finding| fail(vec![finding]))?;
+        let mut findings = Findings::new();
+        let name = Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let effect = effect(&root, name.unwrap_or_default(), &mut findings);
+        effect.filter(|_| findings.is_empty()).ok_or_else(|| fail(findings))
+    }
+}
+
+fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> {
+    let mut fields = Fields::of(root, "an effect", findings)?;
+    let version = fields.need("effect", "the version of the format: 1")?;
+    if number(version, "effect", findings).is_some_and(|version| version != FORMAT) {
+        let message = "this program reads version 1 of the format of effects";
+        findings.push(Diagnostic::at(Code::UnknownVersion, version.span, message));
+    }
+    let mut told = |key, meaning| {
+        let node = fields.need(key, meaning);
+        node.and_then(|node| word(node, key, findings)).map_or_else(String::new, |text| text.value)
+    };
+    let [title, law, physics, source, excitation] = [
+        told("title", "what people call it"),
+        told("law", "its formula"),
+        told("physics", "its physics in a sentence"),
+        told("source", "where it is from"),
+        told("excitation", "what data must hold for it to be judged"),
+    ];
+    let mut aliases = IndexMap::new();
+    fields.each("aliases", findings, |entry, findings| {
+        let when = word(&entry.value, &entry.key, findings);
+        aliases.extend(when.map(|when| (entry.key.clone(), when.value)));
+    });
+    let mut parameters = IndexMap::new();
+    fields.each("parameters", findings, |entry, findings| {
+        let read = parameter(&entry.value, &entry.key, findings);
+        parameters.extend(read.map(|read| (entry.key.clone(), read)));
+    });
+    let forms = fields.need("forms", "the ways to wire it: a list of one or more");
+    let nodes = forms.and_then(|node| list(node, "forms", findings)).unwrap_or_default();
+    let names: Vec<&str> = parameters.keys().map(String::as_str).collect();
+    let forms = nodes.iter().filter_map(|node| form(node, &names, findings)).collect();
+    fields.finish(findings);
+    Some(Effect { name, title, law, physics, source, excitation, aliases, parameters, forms })
+}
+
+fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<EffectParameter> {
+    let mut fields = Fields::of(node, format!("parameter {name}"), findings)?;
+    let reach =
+        fields.need("reach", "what it is measured in, as a formula of what is largest: \"sum / own\"");
+    let reach = reach.and_then(|node| formula_at(node, "reach", findings));
+    let range = fields.need("range", "the least and the largest value searched, in reaches");
+    let range = range.and_then(|node| pair(node, "range", findings));
+    let start = fields.need("start", "the values from which fits begin, in reaches, or \"spectrum\"");
+    let start = start.and_then(|node| start_of(node, findings));
+    let none = fields.take("none").and_then(|node| none_of(node, range, findings));
+    let description = fields.text("description", findings);
+    fields.finish(findings);
+    Some(EffectParameter { reach: reach?.value, range: range?, start: start?, none, description })
+}
+
+fn pair(node: &Node, key: &str, findings: &mut Findings) -> Option<[f64; 2]> {
+    let numbers: Vec<_> = list(node, key, findings)?.iter().map(|node| number(node, key, findings)).collect();
+    let pair = <[Option<f64>; 2]>::try_from(numbers).ok();
+    let pair = pair.map(|[low, high]| (low, high));
+    match pair {
+        Some((Some(low), Some(high))) if low < high => Some([low, high]),
+        Some((None, _) | (_, None)) => None,
+        _ => {
+            let message = format!("\"{key}\" takes two numbers, the second above the first");
+            findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+            None
+        }
+    }
+}
+
+/// A number, or the upper end of the range.
+fn none_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Option<f64> {
+    match &node.value {
+        Content::Text(text) if text == "upper" => range.map(|[_, high]| high),
+        _ => number(node, "none", findings),
+    }
+}
+
+fn start_of(node: &Node, findings: &mut Findings) -> Option<Start> {
+    if matches!(&node.value, Content::Text(text) if text == "spectrum") {
+        return Some(Start::Spectrum);
+    }
+    let values = list(node, "start", findings)?.iter().map(|node| number(node, "start", findings));
+    Some(Start::Values(values.collect::<Option<Vec<_>>>()?))
+}
+
+fn form(node: &Node, parameters: &[&str], findings: &mut Findings) -> Option<Form> {
+    let mut fields = Fields::of(node, "a form", findings)?;
+    let note = fields.text("note", findings);
+    let at = fields.need("at", "where it attaches: motion, store, sum, drive, level or total");
+    let at = at.and_then(|node| word(node, "at", findings));
+    let at = at.and_then(|word| chosen(&word, Attachment::ALL, Attachment::word, findings));
+    let signal = fields.take("signal").and_then(|node| unit_of(node, findings));
+    let reads = fields.take("reads").map(|node| words(node, "reads", findings)).unwrap_or_default();
+    let reads = reads.iter().filter_map(|word| chosen(word, Reads::ALL, Reads::word, findings)).collect();
+    let mut gives = Vec::new();
+    fields.each("gives", findings, |entry, findings| {
+        let role = Placed { value: entry.key.clone(), span: entry.key_span };
+        let role = chosen(&role, Gives::ALL, Gives::word, findings);
+        let element = word(&entry.value, &entry.key, findings);
+        gives.extend(role.zip(element).map(|(role, element)| (role, element.value)));
+    });
+    let mut gains = IndexMap::new();
+    fields.each("gains", findings, |entry, findings| {
+        let read = formula_at(&entry.value, &entry.key, findings);
+        gains.extend(read.map(|read: Placed<Formula>| (entry.key.clone(), read.value)));
+    });
+    let [drives, elements] = ["drives", "elements"].map(|key| object(fields.take(key)));
+    let free = fields.take("free").map(|node| words(node, "free", findings)).unwrap_or_default();
+    let own = fields.take("parameters").map(|node| words(node, "parameters", findings));
+    let own = own.map(|names| known(names, parameters, findings));
+    let parameters = own.unwrap_or_else(|| parameters.iter().map(|name| (*name).to_owned()).collect());
+    fields.finish(findings);
+    if gives.is_empty() || elements.is_empty() {
+        let message = "a form needs \"elements\", and says in \"gives\" what they are wired to";
+        findings.push(Diagnostic::at(Code::MissingKey, opening(node), message));
+    }
+    let free = free.into_iter().map(|name| name.value).collect();
+    Some(Form { note, at: at?, signal, reads, gives, gains, drives, elements, free, parameters })
+}
+
+/// The parameters of the effect that a form names.
+fn known(names: Vec<Placed<String>>, parameters: &[&str], findings: &mut Findings) -> Vec<String> {
+    for name in names.iter().filter(|name| !parameters.contains(&name.value.as_str())) {
+        let message = format!("the effect has no parameter {}", name.value);
+        let hint = suggestion(&name.value, parameters);
+        findings.push(Diagnostic::at(Code::UnknownName, name.span, message).maybe_hint(hint));
+    }
+    names.into_iter().map(|name| name.value).collect()
+}
+
+fn chosen<T: Copy>(
+    text: &Placed<String>,
+    all: &[T],
+    word: impl Fn(T) -> &'static str,
+    findings: &mut Findings,
+) -> Option<T> {
+    let found = all.iter().copied().find(|one| word(*one) == text.value);
+    if found.is_none() {
+        let words: Vec<_> = all.iter().map(|one| word(*one)).collect();
+        let message = format!("\"{}\" is none of {}", text.value, words.join(", "));
+        findings.push(Diagnostic::at(Code::UnknownKey, text.span, message));
+    }
+    found
+}
+
+/// An object as a value; what stands in it is judged where it is wired.
+fn object(node: Option<&Node>) -> Map<String, Value> {
+    match node.map(Node::to_value) {
+        Some(Value::Object(map)) => map,
+        _ => Map::new(),
+    }
+}
+
+fn opening(node: &Node) -> Span {
+    Span { start: node.span.start, end: node.span.start + 1 }
+}

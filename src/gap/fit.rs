@@ -1,0 +1,409 @@
+//! Output error: the knobs, initial voltages and offsets with which a model comes nearest to its records, by the method of
+//! Levenberg and Marquardt within ranges, on derivatives by differences of runs made side by side.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::model::{Choice, Course, Knob, Model};
+use super::record::Record;
+
+/// What is fitted to what.
+#[derive(Debug, Clone, Copy)]
+pub struct Task<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// The records, as many as the model was made for.
+    pub records: &'a [Record],
+    /// The standard deviation of the noise of every output, in its unit.
+    pub sigma: &'a [f64],
+    /// Which outputs may stand off by a constant.
+    pub offset: &'a [bool],
+    /// Whether the knobs are turned; initial voltages are found in any case.
+    pub turns: bool,
+    /// A fit that will not bring the sum of squares below this is given up.
+    pub wanted: f64,
+}
+
+/// A point from which a fit begins, or at which it ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Values of the knobs, in declared units.
+    pub knobs: Vec<f64>,
+    /// Of every record, the initial voltages.
+    pub initial: Vec<Vec<f64>>,
+    /// By how much every output stands off, in its unit.
+    pub offsets: Vec<f64>,
+}
+
+/// What a fit came to.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    /// Where.
+    pub point: Point,
+    /// The sum of the squares of the residuals.
+    pub chi2: f64,
+    /// Data less model over sigma: by record, output and sample; NaN where there is no datum.
+    pub residuals: Vec<Vec<Vec<f64>>>,
+    /// How many data there are.
+    pub count: usize,
+    /// How many numbers were fitted.
+    pub free: usize,
+    /// Standard errors of the knobs, in declared units; infinite where the data do not tell.
+    pub errors: Vec<f64>,
+    /// How often the derivatives were worked out.
+    pub rounds: usize,
+}
+
+/// So often the derivatives are worked out at most.
+const MOST_ROUNDS: usize = 40;
+/// So many dampings are tried for a step at most.
+const MOST_TRIED: usize = 16;
+/// So often they are worked out before a fit may be given up.
+const FIRST_ROUNDS: usize = 4;
+/// A fit has ended when a round lowers the sum of squares by less than this,
+const SETTLED: f64 = 0.01;
+/// or by less than this share of it.
+const SETTLED_SHARE: f64 = 1e-6;
+/// By this share of its range a coordinate is moved for a derivative.
+const NUDGE: f64 = 1e-6;
+/// Eigenvalues of the normal matrix below this share of the largest tell of nothing.
+const LEAST_TOLD: f64 = 1e-12;
+
+impl Point {
+    /// Where the patch stands.
+    pub fn of(model: &Model, offsets: usize) -> Point {
+        let values = |knobs: &[Knob]| knobs.iter().map(|knob| knob.value).collect::<Vec<_>>();
+        Point {
+            knobs: values(&model.knobs),
+            initial: vec![values(&model.initial); model.records()],
+            offsets: vec![0.0; offsets],
+        }
+    }
+}
+
+/// What the derivatives come to: the normal matrix and the gradient, in coordinates.
+struct Normal {
+    matrix: DMatrix<f64>,
+    gradient: DVector<f64>,
+}
+
+impl Task<'_> {
+    /// Fits from a point on; nothing where the model cannot be run there.
+    pub fn fit(&self, from: &Point) -> Option<Fitted> {
+        let mut at = self.shares(from);
+        let mut courses = self.courses(std::slice::from_ref(&at)).pop()?;
+        let mut chi2 = self.chi2(&at, courses.as_ref()?);
+        let (mut damping, mut rounds) = (1e-3, 0);
+        let normal = loop {
+            let normal = self.normal(&at, courses.as_ref()?);
+            rounds += 1;
+            if rounds > MOST_ROUNDS {
+                break normal;
+            }
+            let Some((next, reached, lower, used)) = self.step(&at, chi2, &normal, damping) else {
+                break normal;
+            };
+            let gain = chi2 - lower;
+            (at, courses, chi2, damping) = (next, Some(reached), lower, used / 3.0);
+            if gain < SETTLED.max(SETTLED_SHARE * chi2) || self.is_hopeless(chi2, gain, rounds) {
+                break self.normal(&at, courses.as_ref()?);
+            }
+        };
+        Some(self.fitted(&at, &courses?, chi2, &normal, rounds))
+    }
+
+    /// Whether a fit that goes on as in its last round will not come to what is wanted.
+    fn is_hopeless(&self, chi2: f64, gain: f64, rounds: usize) -> bool {
+        rounds >= FIRST_ROUNDS && chi2 - gain * (MOST_ROUNDS - rounds) as f64 > self.wanted
+    }
+
+    /// The sums of squares at several points; infinite where the model cannot be run.
+    pub fn look(&self, points: &[Point]) -> Vec<f64> {
+        let shares: Vec<_> = points.iter().map(|point| self.shares(point)).collect();
+        let courses = self.courses(&shares);
+        let pairs = shares.iter().zip(&courses);
+        pairs
+            .map(|(at, courses)| courses.as_ref().map_or(f64::INFINITY, |courses| self.chi2(at, courses)))
+            .collect()
+    }
+
+    fn turned(&self) -> usize {
+        if self.turns { self.model.knobs.len() } else { 0 }
+    }
+
+    /// How many coordinates come before those of the records.
+    fn common(&self) -> usize {
+        self.model.knobs.len() + self.sigma.len()
+    }
+
+    fn states(&self) -> usize {
+        self.model.initial.len()
+    }
+
+    /// Knobs as shares of their ways, offsets in sigmas, then the initial voltages of every record in machine units.
+    fn shares(&self, point: &Point) -> DVector<f64> {
+        let knobs = self.model.knobs.iter().zip(&point.knobs).map(|(knob, value)| knob.share(*value));
+        let offsets = point.offsets.iter().zip(self.sigma).map(|(offset, sigma)| offset / sigma);
+        let initial = point.initial.iter().flatten().map(|volts| volts / 100.0);
+        DVector::from_vec(knobs.chain(offsets).chain(initial).collect())
+    }
+
+    fn point(&self, at: &DVector<f64>) -> Point {
+        let knobs = self.model.knobs.iter().zip(at.iter()).map(|(knob, share)| knob.at(*share));
+        let offsets = self.sigma.iter().enumerate();
+        let offsets = offsets.map(|(output, sigma)| at[self.model.knobs.len() + output] * sigma);
+        Point {
+            knobs: knobs.collect(),
+            offsets: offsets.collect(),
+            initial: (0..self.records.len()).map(|record| self.initial(at, record)).collect(),
+        }
+    }
+
+    fn initial(&self, at: &DVector<f64>, record: usize) -> Vec<f64> {
+        let first = self.common() + record * self.states();
+        (first..first + self.states()).map(|index| 100.0 * at[index]).collect()
+    }
+
+    fn choice(&self, at: &DVector<f64>, record: usize) -> Choice {
+        let knobs = self.model.knobs.iter().zip(at.iter()).map(|(knob, share)| knob.at(*share));
+        Choice { knobs: knobs.collect(), initial: self.initial(at, record) }
+    }
+
+    /// What the model does at several points: of every record; nothing where one of them cannot be run.
+    fn courses(&self, points: &[DVector<f64>]) -> Vec<Option<Vec<Course>>> {
+        let mut all = vec![Some(Vec::new()); points.len()];
+        for record in 0..self.records.len() {
+            let choices: Vec<_> = points.iter().map(|at| self.choice(at, record)).collect();
+            for (courses, course) in all.iter_mut().zip(self.model.run(record, &choices)) {
+                *courses = courses.take().zip(course).map(|(mut courses, course)| {
+                    courses.push(course);
+                    courses
+                });
+            }
+        }
+        all
+    }
+
+    /// Data less model over sigma.
+    fn residual(&self, at: &DVector<f64>, record: usize, output: usize, course: &Course) -> Vec<f64> {
+        let offset = at[self.model.knobs.len() + output];
+        let pairs = self.records[record].outputs[output].iter().zip(&course[output]);
+        pairs.map(|(datum, value)| (datum - value) / self.sigma[output] - offset).collect()
+    }
+
+    fn chi2(&self, at: &DVector<f64>, courses: &[Course]) -> f64 {
+        let mut sum = 0.0;
+        for (record, course) in courses.iter().enumerate() {
+            for output in 0..self.sigma.len() {
+                let residual = self.residual(at, record, output, course);
+                sum +=
+                    residual.iter().filter(|value| !value.is_nan()).map(|value| value * value).sum::<f64>();
+            }
+        }
+        sum
+    }
+
+    /// Which coordinates are found at all.
+    fn is_free(&self, index: usize) -> bool {
+        let knobs = self.model.knobs.len();
+        match index {
+            index if index < knobs => self.turns,
+            index if index < self.common() => self.offset[index - knobs],
+            _ => true,
+        }
+    }
+
+    /// Least and largest share of a coordinate.
+    fn bounds(&self, index: usize) -> [f64; 2] {
+        match index {
+            index if index < self.model.knobs.len() => [0.0, 1.0],
+            index if index < self.common() => [f64::NEG_INFINITY, f64::INFINITY],
+            _ => [-1.0, 1.0],
+        }
+    }
+
+    /// The derivatives of every residual, gathered into normal matrix and gradient.
+    fn normal(&self, at: &DVector<f64>, courses: &[Course]) -> Normal {
+        let mut normal =
+            Normal { matrix: DMatrix::zeros(at.len(), at.len()), gradient: DVector::zeros(at.len()) };
+        for (record, course) in courses.iter().enumerate() {
+            let first = self.common() + record * self.states();
+            let moved: Vec<usize> = (0..self.turned()).chain(first..first + self.states()).collect();
+            let nudges: Vec<f64> = moved.iter().map(|index| self.nudge(at, *index)).collect();
+            let choices = moved.iter().zip(&nudges).map(|(index, nudge)| {
+                let mut beside = at.clone();
+                beside[*index] += nudge;
+                self.choice(&beside, record)
+            });
+            let beside = self.model.run(record, &choices.collect::<Vec<_>>());
+            for output in 0..self.sigma.len() {
+                let residual = self.residual(at, record, output, course);
+                let mut columns: Vec<(usize, Vec<f64>)> = Vec::new();
+                for ((index, nudge), other) in moved.iter().zip(&nudges).zip(&beside) {
+                    // Where a neighbour cannot be run, that coordinate stays.
+                    let Some(other) = other else { continue };
+                    let scale = -1.0 / (nudge * self.sigma[output]);
+                    let pairs = other[output].iter().zip(&course[output]);
+                    columns.push((*index, pairs.map(|(there, here)| (there - here) * scale).collect()));
+                }
+                if self.offset[output] {
+                    columns.push((self.model.knobs.len() + output, vec![-1.0; residual.len()]));
+                }
+                normal.add(&columns, &residual);
+            }
+        }
+        normal
+    }
+
+    fn nudge(&self, at: &DVector<f64>, index: usize) -> f64 {
+        let [_, high] = self.bounds(index);
+        if at[index] + NUDGE > high { -NUDGE } else { NUDGE }
+    }
+
+    /// The best of several steps, damped more and less: where to, what the model does there, the sum of squares and the
+    /// damping; nothing where none is better.
+    fn step(
+        &self,
+        at: &DVector<f64>,
+        chi2: f64,
+        normal: &Normal,
+        damping: f64,
+    ) -> Option<(DVector<f64>, Vec<Course>, f64, f64)> {
+        let factors: &[f64] = if self.model.goes_abreast() { &[0.1, 1.0, 10.0, 100.0] } else { &[0.3] };
+        let mut damping = damping;
+        for _ in 0..(MOST_TRIED / factors.len()) {
+            let tried: Vec<f64> = factors.iter().map(|factor| factor * damping).collect();
+            let points: Vec<_> = tried.iter().map(|damping| self.damped(at, normal, *damping)).collect();
+            let courses = self.courses(&points);
+            let mut best: Option<(DVector<f64>, Vec<Course>, f64, f64)> = None;
+            for ((point, courses), damping) in points.into_iter().zip(courses).zip(&tried) {
+                let Some(courses) = courses else { continue };
+                let lower = self.chi2(&point, &courses);
+                if lower < best.as_ref().map_or(chi2, |best| best.2) {
+                    best = Some((point, courses, lower, *damping));
+                }
+            }
+            if best.is_some() {
+                return best;
+            }
+            damping = 10.0 * tried.last().unwrap_or(&damping);
+        }
+        None
+    }
+
+    /// A step within the bounds: what would leave them stays there, and the rest goes without it.
+    fn damped(&self, at: &DVector<f64>, normal: &Normal, damping: f64) -> DVector<f64> {
+        let mut free: Vec<usize> = (0..at.len())
+            .filter(|index| self.is_free(*index) && normal.matrix[(*index, *index)] > 0.0)
+            .collect();
+        let mut to = at.clone();
+        loop {
+            let step = normal.solved(&free, damping);
+            let leaves = |(place, index): (usize, &usize)| {
+                let [low, high] = self.bounds(*index);
+                let next = at[*index] + step[place];
+                (next < low && at[*index] <= low) || (next > high && at[*index] >= high)
+            };
+            let stuck: Vec<usize> =
+                free.iter().enumerate().filter(|own| leaves(*own)).map(|(_, index)| *index).collect();
+            if stuck.is_empty() {
+                for (place, index) in free.iter().enumerate() {
+                    let [low, high] = self.bounds(*index);
+                    to[*index] = (at[*index] + step[place]).clamp(low, high);
+                }
+                return to;
+            }
+            free.retain(|index| !stuck.contains(index));
+        }
+    }
+
+    fn fitted(
+        &self,
+        at: &DVector<f64>,
+        courses: &[Course],
+        chi2: f64,
+        normal: &Normal,
+        rounds: usize,
+    ) -> Fitted {
+        let residuals = courses.iter().enumerate().map(|(record, course)| {
+            (0..self.sigma.len()).map(|output| self.residual(at, record, output, course)).collect::<Vec<_>>()
+        });
+        let residuals: Vec<Vec<Vec<f64>>> = residuals.collect();
+        let count = residuals.iter().flatten().flatten().filter(|value| !value.is_nan()).count();
+        let point = self.point(at);
+        let free: Vec<usize> = (0..at.len()).filter(|index| self.is_free(*index)).collect();
+        let spread = normal.spread(&free);
+        let error = |(index, knob): (usize, &Knob)| {
+            let place = free.iter().position(|own| *own == index);
+            place.map_or(0.0, |place| spread[place] * knob.slope(point.knobs[index]))
+        };
+        let errors = self.model.knobs.iter().enumerate().map(|(index, knob)| error((index, knob))).collect();
+        Fitted { point, chi2, residuals, count, free: free.len(), errors, rounds }
+    }
+}
+
+impl Normal {
+    fn add(&mut self, columns: &[(usize, Vec<f64>)], residual: &[f64]) {
+        for (place, (index, column)) in columns.iter().enumerate() {
+            self.gradient[*index] += product(column, residual, residual);
+            for (other, beside) in &columns[..=place] {
+                let sum = product(column, beside, residual);
+                self.matrix[(*index, *other)] += sum;
+                if index != other {
+                    self.matrix[(*other, *index)] += sum;
+                }
+            }
+        }
+    }
+
+    /// The damped step of these coordinates.
+    fn solved(&self, free: &[usize], damping: f64) -> DVector<f64> {
+        let count = free.len();
+        // In units in which every coordinate tells as much.
+        let units: Vec<f64> = free.iter().map(|index| 1.0 / self.matrix[(*index, *index)].sqrt()).collect();
+        let mut matrix = DMatrix::from_fn(count, count, |row, column| {
+            self.matrix[(free[row], free[column])] * units[row] * units[column]
+        });
+        (0..count).for_each(|place| matrix[(place, place)] += damping + LEAST_TOLD);
+        let gradient = DVector::from_fn(count, |row, _| -self.gradient[free[row]] * units[row]);
+        let solved = matrix.cholesky().map(|cholesky| cholesky.solve(&gradient));
+        let solved = solved.unwrap_or_else(|| gradient * (1.0 / (1.0 + damping)));
+        DVector::from_fn(count, |row, _| solved[row] * units[row])
+    }
+
+    /// Standard errors of these coordinates; infinite where the data do not tell.
+    fn spread(&self, free: &[usize]) -> Vec<f64> {
+        let told: Vec<usize> =
+            free.iter().copied().filter(|index| self.matrix[(*index, *index)] > 0.0).collect();
+        let units: Vec<f64> = told.iter().map(|index| 1.0 / self.matrix[(*index, *index)].sqrt()).collect();
+        let count = told.len();
+        let matrix = DMatrix::from_fn(count, count, |row, column| {
+            self.matrix[(told[row], told[column])] * units[row] * units[column]
+        });
+        let eigen = matrix.symmetric_eigen();
+        let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+        let spread = |place: usize| {
+            let shares = (0..count).map(|own| {
+                let (weight, value) = (eigen.eigenvectors[(place, own)], eigen.eigenvalues[own]);
+                if value > LEAST_TOLD * largest {
+                    weight * weight / value
+                } else {
+                    weight * weight / (LEAST_TOLD * largest)
+                }
+            });
+            shares.sum::<f64>().sqrt() * units[place]
+        };
+        let place = |index: &usize| told.iter().position(|own| own == index);
+        free.iter().map(|index| place(index).map_or(f64::INFINITY, spread)).collect()
+    }
+}
+
+/// The sum of products where there are data.
+fn product(left: &[f64], right: &[f64], data: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for ((left, right), datum) in left.iter().zip(right).zip(data) {
+        if !datum.is_nan() {
+            sum += left * right;
+        }
+    }
+    sum
+}

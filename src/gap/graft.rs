@@ -1,0 +1,621 @@
+//! A patch with an effect wired in: the fragment as a macro of its own, one instance, and the cords that join it.
+
+use indexmap::IndexMap;
+use serde_json::{Map, Value, json};
+
+use super::effect::{Attachment, Effect, Form, Gives, Reads};
+use super::site::{Junction, Reading, Sites};
+use crate::elements::{self, Family};
+use crate::machines::REFERENCE;
+use crate::patch::{Dimension, Edit, EditError, Formula, Patch, Scope, Unit};
+
+/// A way to wire an effect into a patch.
+#[derive(Debug, Clone)]
+pub struct Attached<'a> {
+    /// The effect.
+    pub effect: &'a Effect,
+    /// How it is wired.
+    pub form: &'a Form,
+    /// Where.
+    pub place: Place<'a>,
+}
+
+/// The place that an effect acts on.
+#[derive(Debug, Clone)]
+pub enum Place<'a> {
+    /// An integrator's input, with what the fragment reads beside it and another junction that it gives to.
+    Junction {
+        /// Where it acts.
+        junction: &'a Junction,
+        /// The displacement that it reads.
+        position: Option<&'a Reading>,
+        /// The force that it reads.
+        load: Option<&'a Reading>,
+        /// Where what leaves the first goes.
+        next: Option<&'a Junction>,
+    },
+    /// A cord: everything that this output drove is driven by the fragment.
+    Cord(&'a Reading),
+}
+
+impl<'a> Attached<'a> {
+    /// Every way in which an effect fits into a circuit.
+    pub fn all(effect: &'a Effect, sites: &'a Sites) -> Vec<Attached<'a>> {
+        let places = effect.forms.iter().flat_map(|form| {
+            let places = Place::all(form, sites).into_iter();
+            places.map(move |place| Attached { effect, form, place })
+        });
+        places.collect()
+    }
+
+    /// The element that it acts on: an integrator, a drive, what carries a friction level.
+    pub fn junction(&self) -> &'a str {
+        match &self.place {
+            Place::Junction { junction, .. } => &junction.integrator,
+            Place::Cord(reading) => &reading.at,
+        }
+    }
+
+    /// The place of its form among those of the effect.
+    pub fn number(&self) -> usize {
+        self.effect.forms.iter().position(|form| std::ptr::eq(form, self.form)).unwrap_or_default()
+    }
+
+    /// The signals that it reads, where it has a choice, and the other junction that it gives to.
+    pub fn reads(&self) -> Vec<String> {
+        let Place::Junction { position, load, next, .. } = &self.place else { return Vec::new() };
+        let signals = [position, load].into_iter().flatten().map(|reading| reading.signal.clone());
+        signals.chain(next.map(|next| next.integrator.clone())).collect()
+    }
+}
+
+impl<'a> Place<'a> {
+    fn all(form: &Form, sites: &'a Sites) -> Vec<Place<'a>> {
+        let junctions = sites.junctions.iter();
+        match form.at {
+            Attachment::Drive => Place::cords(form, &sites.drives),
+            Attachment::Level => Place::cords(form, &sites.levels),
+            Attachment::Total => junctions
+                .filter(|junction| junction.is_motion && junction.sum.total.is_some())
+                .map(|junction| Place::Junction { junction, position: None, load: None, next: None })
+                .collect(),
+            Attachment::Motion => junctions
+                .filter(|junction| junction.is_motion)
+                .flat_map(|own| Place::at(form, own, sites))
+                .collect(),
+            Attachment::Store => junctions
+                .filter(|junction| !junction.is_motion)
+                .flat_map(|own| Place::at(form, own, sites))
+                .collect(),
+            Attachment::Sum => junctions.flat_map(|own| Place::at(form, own, sites)).collect(),
+        }
+    }
+
+    /// The cords that carry what the form asks for.
+    fn cords(form: &Form, readings: &'a [Reading]) -> Vec<Place<'a>> {
+        let fits = |reading: &&Reading| {
+            form.signal.as_ref().is_none_or(|unit| unit.dimension() == reading.unit.dimension())
+        };
+        readings.iter().filter(fits).map(Place::Cord).collect()
+    }
+
+    /// Every choice of what the form reads beside a junction, and of where it gives to.
+    fn at(form: &Form, junction: &'a Junction, sites: &'a Sites) -> Vec<Place<'a>> {
+        let choices = |role, readings: &'a [Reading]| match form.reads.contains(&role) {
+            true => readings.iter().map(Some).collect(),
+            false => vec![None],
+        };
+        let gives_on = form.gives.iter().any(|(gives, _)| *gives == Gives::AddToNext);
+        let is_next = |next: &&Junction| {
+            next.integrator != junction.integrator
+                && next.own.unit.dimension() == junction.own.unit.dimension()
+        };
+        let nexts: Vec<Option<&Junction>> = match gives_on {
+            true => sites.junctions.iter().filter(is_next).map(Some).collect(),
+            false => vec![None],
+        };
+        let mut places = Vec::new();
+        for position in choices(Reads::Position, &junction.positions) {
+            for load in choices(Reads::Load, &junction.loads) {
+                let nexts = nexts.iter();
+                places.extend(nexts.map(|next| Place::Junction { junction, position, load, next: *next }));
+            }
+        }
+        places
+    }
+
+    /// The readings that stand behind the names of formulas: scales by role, and where their largest values are met.
+    pub fn roles(&self) -> Vec<(&'static str, Role<'a>)> {
+        match self {
+            Place::Junction { junction, position, load, next } => {
+                let sum = Role::sum(junction);
+                let mut roles = vec![("own", Role::Read(&junction.own)), ("sum", sum), ("signal", sum)];
+                roles.extend(position.map(|reading| ("position", Role::Read(reading))));
+                roles.extend(load.map(|reading| ("load", Role::Read(reading))));
+                roles.extend(next.map(|next| ("next", Role::sum(next))));
+                roles
+            }
+            Place::Cord(reading) => vec![("signal", Role::Read(reading))],
+        }
+    }
+}
+
+/// What a name in the formulas of an effect stands for.
+#[derive(Debug, Clone, Copy)]
+pub enum Role<'a> {
+    /// A quantity that a signal names.
+    Read(&'a Reading),
+    /// The rate of what a junction gives, where nothing that drives it is named.
+    Rate(&'a Junction),
+}
+
+impl<'a> Role<'a> {
+    /// What drives a junction.
+    fn sum(junction: &'a Junction) -> Self {
+        match &junction.sum.of {
+            Some(reading) => Role::Read(reading),
+            None => Role::Rate(junction),
+        }
+    }
+
+    /// The same as a formula.
+    fn scale(self) -> &'a str {
+        match self {
+            Role::Read(reading) => &reading.scale,
+            Role::Rate(junction) => &junction.sum.scale,
+        }
+    }
+
+    /// What a volt stands for, as a number of its unit.
+    pub fn per_volt(self) -> f64 {
+        match self {
+            Role::Read(reading) => reading.per_volt,
+            Role::Rate(junction) => junction.sum.per_volt,
+        }
+    }
+
+    /// Its unit.
+    pub fn unit(self) -> &'a Unit {
+        match self {
+            Role::Read(reading) => &reading.unit,
+            Role::Rate(junction) => &junction.sum.unit,
+        }
+    }
+}
+
+/// A parameter that a graft brings into the patch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Brought {
+    /// Its name in the patch.
+    pub name: String,
+    /// Its name in the effect.
+    pub of: String,
+    /// Its unit.
+    pub unit: String,
+    /// The value that it has in the patch, in that unit.
+    pub value: f64,
+    /// Least and largest value.
+    pub range: [f64; 2],
+}
+
+/// An effect wired into a patch.
+#[derive(Debug, Clone)]
+pub struct Graft {
+    /// The patch with it.
+    pub patch: Patch,
+    /// The parameters that came with it.
+    pub parameters: Vec<Brought>,
+    /// The parameters that are the initial voltages of its states.
+    pub free: Vec<String>,
+}
+
+impl Attached<'_> {
+    /// Wires the effect into a patch; `parameters` are those of the form, with values and ranges, named as in the effect.
+    ///
+    /// # Errors
+    /// When what comes out is no document: the fragment does not fit together.
+    pub fn graft(&self, patch: &Patch, parameters: &[Brought]) -> Result<Graft, EditError> {
+        let mut wiring = Wiring::new(self, patch, parameters);
+        match &self.place {
+            Place::Junction { junction, .. } if self.form.at == Attachment::Total => wiring.through(junction),
+            Place::Junction { junction, next, .. } => wiring.beside(junction, *next),
+            Place::Cord(reading) => wiring.splice(reading),
+        }
+        wiring.graft()
+    }
+}
+
+/// A graft under way.
+struct Wiring<'a> {
+    attached: &'a Attached<'a>,
+    patch: &'a Patch,
+    /// Name of the instance.
+    name: String,
+    parameters: Vec<Brought>,
+    /// What the names in the fragment's formulas are written as.
+    words: IndexMap<String, String>,
+    /// New elements, and those with other cords.
+    elements: IndexMap<String, Value>,
+    /// New scales, for what stands in no scale of the patch.
+    scales: Map<String, Value>,
+    /// What is plugged into the instance.
+    inputs: Map<String, Value>,
+}
+
+impl<'a> Wiring<'a> {
+    fn new(attached: &'a Attached<'a>, patch: &'a Patch, parameters: &[Brought]) -> Self {
+        let name = free("E", |name| {
+            patch.elements.contains_key(name)
+                || patch.instances.contains_key(name)
+                || patch.drives.contains_key(name)
+        });
+        let rename = |own: &Brought| {
+            let taken = |name: &str| patch.parameters.contains_key(name) || patch.scales.contains_key(name);
+            let name = if taken(&own.of) { free(&format!("{}_", own.of), taken) } else { own.of.clone() };
+            Brought { name, ..own.clone() }
+        };
+        let parameters: Vec<Brought> = parameters.iter().map(rename).collect();
+        let mut words: IndexMap<String, String> =
+            parameters.iter().map(|own| (own.of.clone(), own.name.clone())).collect();
+        let mut scales = Map::new();
+        for (role, stands_for) in attached.place.roles() {
+            let mut scale = stands_for.scale().to_owned();
+            if !patch.scales.contains_key(&scale) {
+                let per_volt = serde_json::from_str(&scale).unwrap_or(Value::String(scale));
+                scale = format!("{name}_{role}");
+                scales.insert(scale.clone(), json!({"per_volt": per_volt, "unit": stands_for.unit().text()}));
+            }
+            words.insert(role.to_owned(), scale);
+        }
+        Wiring {
+            attached,
+            patch,
+            name,
+            parameters,
+            words,
+            scales,
+            elements: IndexMap::new(),
+            inputs: Map::new(),
+        }
+    }
+
+    /// Wires it to a junction: it reads what is there, and adds to what drives the integrator.
+    fn beside(&mut self, junction: &Junction, next: Option<&Junction>) {
+        let Place::Junction { position, load, .. } = &self.attached.place else { return };
+        for reads in &self.attached.form.reads {
+            let reading = match reads {
+                Reads::Own => Some(&junction.own),
+                Reads::Position => *position,
+                Reads::Load => *load,
+                Reads::In => None,
+            };
+            if let Some(reading) = reading {
+                let from = self.upright(reading);
+                self.inputs.insert(reads.word().to_owned(), json!(from));
+            }
+        }
+        for (gives, _) in &self.attached.form.gives {
+            match gives {
+                Gives::Add => self.push(*gives, junction, true),
+                Gives::Subtract => self.push(*gives, junction, false),
+                Gives::Brake => self.brake(junction),
+                Gives::AddToNext => next.into_iter().for_each(|next| self.push(*gives, next, true)),
+                Gives::Out => (),
+            }
+        }
+    }
+
+    /// Where a quantity is read upright: at its own place, or behind an inverter.
+    fn upright(&mut self, reading: &Reading) -> String {
+        if reading.is_upright {
+            return reading.at.clone();
+        }
+        let name = format!("{}-{}", self.name, reading.signal);
+        let note = format!("{} upright", reading.signal);
+        self.elements.insert(name.clone(), json!({"kind": "inverter", "in": reading.at, "note": note}));
+        name
+    }
+
+    /// A port of the instance.
+    fn port(&self, gives: Gives) -> String {
+        format!("{}.{}", self.name, gives.word())
+    }
+
+    /// Pushes what a junction gives upward, or downward, by the voltage at a port.
+    fn push(&mut self, gives: Gives, junction: &Junction, is_upward: bool) {
+        let mut from = self.port(gives);
+        // An integrator inverts.
+        if junction.is_upright == is_upward {
+            let name = format!("{}-{}", self.name, gives.word());
+            self.elements.insert(name.clone(), json!({"kind": "inverter", "in": from}));
+            from = name;
+        }
+        let is_next = gives == Gives::AddToNext;
+        let ratio = is_next.then(|| format!("{} / {}", self.words["sum"], self.words["next"]));
+        self.plug(gives, junction, from, "", ratio);
+    }
+
+    fn brake(&mut self, junction: &Junction) {
+        self.plug(Gives::Brake, junction, self.port(Gives::Brake), "brake_", None);
+    }
+
+    /// Leads a voltage the same way into an integrator as what is in its scale there; `ratio` is that of another scale to it.
+    fn plug(
+        &mut self,
+        gives: Gives,
+        junction: &Junction,
+        mut from: String,
+        prefix: &str,
+        ratio: Option<String>,
+    ) {
+        let settings: Vec<String> = junction.sum.setting.clone().into_iter().chain(ratio).collect();
+        if !settings.is_empty() {
+            let name = format!("{}-P{}", self.name, gives.word());
+            let setting = settings.join(" * ");
+            self.elements.insert(name.clone(), json!({"kind": "pot", "in": from, "setting": setting}));
+            from = name;
+        }
+        let jack = format!("{prefix}{}", junction.sum.jack);
+        let element = self.element(&junction.integrator);
+        if let Some(Value::Object(inputs)) = element.get_mut("in") {
+            let cords = inputs.entry(jack).or_insert_with(|| json!([]));
+            if let Value::String(only) = cords {
+                *cords = json!([only.clone()]);
+            }
+            cords.as_array_mut().into_iter().for_each(|cords| cords.push(json!(from)));
+        }
+    }
+
+    /// An element of the patch, to be changed.
+    fn element(&mut self, name: &str) -> &mut Value {
+        let entry = self.elements.entry(name.to_owned());
+        entry.or_insert_with(|| self.patch.value()["elements"][name].clone())
+    }
+
+    /// Wires it between everything that drives an integrator and the integrator.
+    fn through(&mut self, junction: &Junction) {
+        let Some(total) = &junction.sum.total else { return };
+        self.inputs.insert(Reads::In.word().to_owned(), json!(total.from));
+        if self.attached.form.reads.contains(&Reads::Own) {
+            let own = self.upright(&junction.own);
+            self.inputs.insert(Reads::Own.word().to_owned(), json!(own));
+        }
+        let out = self.port(Gives::Out);
+        replug(self.element(&total.to), &total.from, &out);
+    }
+
+    /// Wires it into the cords of an output.
+    fn splice(&mut self, reading: &Reading) {
+        self.inputs.insert(Reads::In.word().to_owned(), json!(reading.at));
+        let out = self.port(Gives::Out);
+        let driven = |(name, entry): &(&String, &crate::patch::Entry)| {
+            !name.contains('.') && entry.plugs.iter().any(|plug| plug.from.value == reading.at)
+        };
+        let names: Vec<String> =
+            self.patch.elements.iter().filter(driven).map(|(name, _)| name.clone()).collect();
+        for name in names {
+            replug(self.element(&name), &reading.at, &out);
+        }
+    }
+
+    fn graft(mut self) -> Result<Graft, EditError> {
+        let form = self.attached.form;
+        for (gain, formula) in &form.gains {
+            let largest = self.largest(formula);
+            self.words.insert(gain.clone(), format!("{}", ten_above(largest)));
+        }
+        let mut drives = Map::new();
+        for (name, drive) in &form.drives {
+            let own = format!("{}-{name}", self.name);
+            self.words.insert(name.clone(), own.clone());
+            drives.insert(own, drive.clone());
+        }
+        let macro_name = free_or(&self.attached.effect.name, |name| {
+            self.patch.macros.contains_key(name) || elements::find(Family::Computing, name).is_some()
+        });
+        let mut edits = self.edits(&macro_name);
+        for (name, scale) in &self.scales {
+            put(&mut edits, self.patch, "scales", name, scale.clone());
+        }
+        for (name, drive) in drives {
+            put(&mut edits, self.patch, "drives", &name, self.written(&drive));
+        }
+        edits.push(Edit::new("machine", "unlimited"));
+        let free: Vec<String> = form.free.iter().map(|state| self.initial(state)).collect();
+        for (state, name) in form.free.iter().zip(&free) {
+            let limit = |end: &str, default| form.elements[state]["limit"][end].as_f64().unwrap_or(default);
+            let range = [limit("lower", -REFERENCE), limit("upper", REFERENCE)];
+            let value = json!({"value": 0, "unit": "1", "range": range, "description": "initial voltage"});
+            put(&mut edits, self.patch, "parameters", name, value);
+        }
+        let patch = self.patch.edited(self.patch.file(), &edits)?;
+        Ok(Graft { patch, parameters: self.parameters, free })
+    }
+
+    fn edits(&self, macro_name: &str) -> Vec<Edit> {
+        let mut edits = Vec::new();
+        for own in &self.parameters {
+            let told = &self.attached.effect.parameters[&own.of];
+            let value = json!({
+                "value": own.value, "unit": own.unit, "range": own.range, "description": told.description,
+            });
+            put(&mut edits, self.patch, "parameters", &own.name, value);
+        }
+        put(&mut edits, self.patch, "macros", macro_name, self.fragment());
+        let mut instance = Map::new();
+        instance.insert("kind".to_owned(), json!(macro_name));
+        instance.extend(self.inputs.clone());
+        instance.insert("note".to_owned(), json!(self.attached.effect.title));
+        put(&mut edits, self.patch, "elements", &self.name, Value::Object(instance));
+        for (name, element) in &self.elements {
+            put(&mut edits, self.patch, "elements", name, element.clone());
+        }
+        edits
+    }
+
+    /// The fragment as a macro.
+    fn fragment(&self) -> Value {
+        let effect = self.attached.effect;
+        let inputs = self.inputs.keys().map(|role| {
+            let meaning =
+                Reads::ALL.iter().find(|reads| reads.word() == role).map_or("", |reads| reads.meaning());
+            (role.clone(), json!(meaning))
+        });
+        let outputs = self.attached.form.gives.iter().map(|(gives, at)| (gives.word().to_owned(), json!(at)));
+        let form = self.attached.form;
+        let elements = form.elements.iter().map(|(name, element)| {
+            let mut element = self.written(element);
+            if form.free.contains(name) {
+                element["initial"] = json!(self.initial(name));
+            }
+            (name.clone(), element)
+        });
+        json!({
+            "note": format!("{} {}. Source: {}", effect.physics, effect.law, effect.source),
+            "inputs": inputs.collect::<Map<_, _>>(),
+            "outputs": outputs.collect::<Map<_, _>>(),
+            "elements": elements.collect::<Map<_, _>>(),
+        })
+    }
+
+    /// Name of the parameter that is the initial voltage of a state inside.
+    fn initial(&self, state: &str) -> String {
+        format!("{}_{state}_initial", self.name)
+    }
+
+    /// An element or drive of the fragment with the names that it has in the patch.
+    fn written(&self, value: &Value) -> Value {
+        match value {
+            Value::Object(entries) => {
+                let written = |(key, value): (&String, &Value)| {
+                    let value =
+                        if key == "note" || key == "kind" { value.clone() } else { self.written(value) };
+                    (self.jack(key), value)
+                };
+                Value::Object(entries.iter().map(written).collect())
+            }
+            Value::Array(items) => Value::Array(items.iter().map(|item| self.written(item)).collect()),
+            // An input port has the name of its role.
+            Value::String(text) if self.inputs.contains_key(text) => value.clone(),
+            Value::String(text) if self.attached.form.elements.contains_key(text) => value.clone(),
+            Value::String(text) => Value::String(renamed(text, &self.words)),
+            _ => value.clone(),
+        }
+    }
+
+    /// "xG" with its power of ten.
+    fn jack(&self, key: &str) -> String {
+        let gain = key.strip_prefix('x').filter(|gain| self.attached.form.gains.contains_key(*gain));
+        gain.map_or_else(|| key.to_owned(), |gain| format!("x{}", self.words[gain]))
+    }
+
+    /// What a formula comes to at most, over the ranges of the parameters.
+    fn largest(&self, formula: &Formula) -> f64 {
+        let mut values = Values { values: Vec::new() };
+        for (role, stands_for) in self.attached.place.roles() {
+            values.values.push((role, stands_for.unit().to_si(stands_for.per_volt())));
+        }
+        values.values.push(("time_scale", self.patch.time_scale));
+        let given = values.values.len();
+        // Every corner of the ranges: a binary digit of its number chooses the end of each.
+        let corner = |number: usize| {
+            let mut values = Values { values: values.values[..given].to_vec() };
+            for (place, own) in self.parameters.iter().enumerate() {
+                let unit = Unit::parse(&own.unit).map_or(1.0, |unit| unit.factor());
+                values.values.push((&own.of, unit * own.range[number >> place & 1]));
+            }
+            formula.evaluate(&values).ok().map(f64::abs)
+        };
+        (0..1 << self.parameters.len()).filter_map(corner).fold(1.0, f64::max)
+    }
+}
+
+/// What names in formulas stand for, in SI.
+struct Values<'a> {
+    values: Vec<(&'a str, f64)>,
+}
+
+impl Scope for Values<'_> {
+    fn value(&self, name: &str) -> Option<f64> {
+        self.values.iter().find(|(own, _)| *own == name).map(|(_, value)| *value)
+    }
+
+    fn dimension(&self, _: &str) -> Option<Dimension> {
+        None
+    }
+
+    fn names(&self) -> Vec<&str> {
+        self.values.iter().map(|(name, _)| *name).collect()
+    }
+}
+
+/// Puts a named thing into a section, which may not be there yet.
+fn put(edits: &mut Vec<Edit>, patch: &Patch, section: &str, name: &str, value: Value) {
+    if patch.value().get(section).is_some() {
+        edits.push(Edit { path: vec![section.to_owned(), name.to_owned()], value });
+        return;
+    }
+    let found = edits.iter_mut().find(|edit| edit.path == [section]);
+    match found.map(|edit| &mut edit.value) {
+        Some(Value::Object(entries)) => {
+            entries.insert(name.to_owned(), value);
+        }
+        _ => edits.push(Edit { path: vec![section.to_owned()], value: json!({name: value}) }),
+    }
+}
+
+/// Puts other cords into the jacks of an element.
+fn replug(element: &mut Value, from: &str, to: &str) {
+    match element {
+        Value::String(text) if text == from => *text = to.to_owned(),
+        Value::Array(items) => items.iter_mut().for_each(|item| replug(item, from, to)),
+        Value::Object(entries) => {
+            let cords = entries
+                .iter_mut()
+                .filter(|(key, _)| !["kind", "note", "setting", "uses"].contains(&key.as_str()));
+            cords.for_each(|(_, value)| replug(value, from, to));
+        }
+        _ => (),
+    }
+}
+
+/// The first of name1, name2, ... that is not taken.
+fn free(stem: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    let names = (1..).map(|number| format!("{stem}{number}"));
+    names.into_iter().find(|name| !is_taken(name)).unwrap_or_default()
+}
+
+/// The name, or the first of name-2, name-3, ... that is not taken.
+fn free_or(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    if !is_taken(name) {
+        return name.to_owned();
+    }
+    (2..).map(|number| format!("{name}-{number}")).find(|name| !is_taken(name)).unwrap_or_default()
+}
+
+/// The least power of ten, 1 or more, that is not below a value.
+fn ten_above(value: f64) -> f64 {
+    let mut ten = 1.0;
+    while ten < value && ten < 1e12 {
+        ten *= 10.0;
+    }
+    ten
+}
+
+/// A formula with other words for its names.
+fn renamed(text: &str, words: &IndexMap<String, String>) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    let is_inside = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    while let Some(first) = rest.chars().next() {
+        let length = rest.find(|letter| !is_inside(letter)).unwrap_or(rest.len()).max(first.len_utf8());
+        let (word, after) = rest.split_at(length);
+        let follows = after.trim_start().starts_with('(');
+        match words.get(word).filter(|_| !follows) {
+            Some(other) => out.push_str(other),
+            None => out.push_str(word),
+        }
+        rest = after;
+    }
+    out
+}

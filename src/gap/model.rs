@@ -1,0 +1,236 @@
+//! A patch as a model of records: fed with their drives, begun where its parameters say, read at their samples.
+
+use serde_json::json;
+
+use super::experiment::Feed;
+use super::record::Record;
+use crate::circuit::Circuit;
+use crate::patch::{Edit, EditError, Patch, Phase, Report};
+use crate::program::Program;
+use crate::solve::{self, Backend, FeedError, RunError, RunSettings, preset, run_abreast};
+use crate::trace::Trace;
+
+/// A value that can be turned while a model is fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Knob {
+    /// The parameter of the patch.
+    pub name: String,
+    /// Where it stands in the patch.
+    pub value: f64,
+    /// Least and largest value.
+    pub range: [f64; 2],
+}
+
+impl Knob {
+    /// A parameter of a patch that has a range.
+    fn of(patch: &Patch, name: &str) -> Option<Knob> {
+        let parameter = patch.parameters.get(name)?;
+        let (low, high) = parameter.range?;
+        Some(Knob { name: name.to_owned(), value: parameter.value, range: [low, high] })
+    }
+}
+
+/// Ranges above 0 whose ends differ by more than this factor are gone through by factors.
+const WIDE: f64 = 20.0;
+
+impl Knob {
+    /// A value as a share of the way from the least to the largest.
+    pub(super) fn share(&self, value: f64) -> f64 {
+        let [low, high] = self.range;
+        if self.is_wide() { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) }
+    }
+
+    /// The value at a share of the way.
+    pub(super) fn at(&self, share: f64) -> f64 {
+        let [low, high] = self.range;
+        let value = if self.is_wide() { low * (high / low).powf(share) } else { low + share * (high - low) };
+        value.clamp(low, high)
+    }
+
+    /// The derivative of the value by its share of the way.
+    pub(super) fn slope(&self, value: f64) -> f64 {
+        let [low, high] = self.range;
+        if self.is_wide() { value * (high / low).ln() } else { high - low }
+    }
+
+    fn is_wide(&self) -> bool {
+        let [low, high] = self.range;
+        low > 0.0 && high > WIDE * low
+    }
+}
+
+/// A patch ready to be run beside records.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// The program, and for every record the same with its drives.
+    programs: Vec<Program>,
+    /// How each is run.
+    settings: Vec<RunSettings>,
+    /// What is fitted.
+    pub knobs: Vec<Knob>,
+    /// The initial voltages of integrators and lags, by record free.
+    pub initial: Vec<Knob>,
+    /// Names of the signals compared with data.
+    outputs: Vec<String>,
+    samples: Vec<usize>,
+}
+
+/// Why a patch is no model.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    /// It cannot be changed so.
+    #[error(transparent)]
+    Edit(#[from] EditError),
+    /// It is wrong.
+    #[error(transparent)]
+    Patch(#[from] Box<Report>),
+    /// It cannot be run.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A record cannot feed it.
+    #[error(transparent)]
+    Feed(#[from] FeedError),
+}
+
+/// What a run gives: of every output its values at the samples.
+pub type Course = Vec<Vec<f64>>;
+
+impl Model {
+    /// A patch beside records; `drives` name what the records feed, `fit` what may be turned, `free` the parameters that
+    /// are initial voltages, `outputs` what is read. Each sample takes so many steps.
+    ///
+    /// # Errors
+    /// When the patch cannot be fed or run so.
+    pub fn new(
+        patch: &Patch,
+        records: &[Record],
+        drives: &[Feed],
+        fit: &[String],
+        free: &[String],
+        outputs: &[String],
+        steps: u32,
+    ) -> Result<Model, ModelError> {
+        let (freed, mut initial) = freed(patch)?;
+        initial.extend(free.iter().filter_map(|name| Knob::of(patch, name)));
+        let program = Program::new(&Circuit::new(&with_tables(&freed, drives)?, &[])?)?;
+        let programs = records.iter().map(|record| fed(&program, record, drives));
+        Ok(Model {
+            programs: programs.collect::<Result<_, _>>()?,
+            settings: records.iter().map(|record| plan(record, outputs, steps)).collect(),
+            knobs: fit.iter().filter_map(|name| Knob::of(patch, name)).collect(),
+            initial,
+            outputs: outputs.to_vec(),
+            samples: records.iter().map(Record::len).collect(),
+        })
+    }
+
+    /// How many records there are.
+    pub fn records(&self) -> usize {
+        self.programs.len()
+    }
+
+    /// Whether runs side by side take less time than one after the other.
+    pub fn goes_abreast(&self) -> bool {
+        self.programs.iter().zip(&self.settings).all(|(program, settings)| settings.go_abreast(program))
+    }
+
+    /// Runs one record with several choices of knobs and initial voltages, side by side; nothing where a run had to stop.
+    pub fn run(&self, record: usize, choices: &[Choice]) -> Vec<Option<Course>> {
+        let program = &self.programs[record];
+        let set = choices.iter().map(|choice| {
+            let mut own = program.clone();
+            let knobs = self.knobs.iter().zip(&choice.knobs);
+            let initial = self.initial.iter().zip(&choice.initial);
+            let changes: Vec<_> =
+                knobs.chain(initial).map(|(knob, value)| (knob.name.as_str(), *value)).collect();
+            preset(&mut own, &changes).ok().map(|()| own)
+        });
+        let set: Vec<Option<Program>> = set.collect();
+        let ready: Vec<Program> = set.iter().flatten().cloned().collect();
+        let mut ended = run_abreast(&ready, &self.settings[record]).into_iter();
+        let course = |trace: Trace| self.course(record, &trace);
+        set.iter().map(|own| own.as_ref().and_then(|_| ended.next()?.ok()).and_then(course)).collect()
+    }
+
+    fn course(&self, record: usize, trace: &Trace) -> Option<Course> {
+        let count = self.samples[record];
+        let values = |name: &String| {
+            let values: Vec<f64> = trace.track(name)?.values().take(count).collect();
+            let is_whole = values.len() == count && values.iter().all(|value| value.is_finite());
+            is_whole.then_some(values)
+        };
+        self.outputs.iter().map(values).collect()
+    }
+}
+
+/// Values of what can be turned, in declared units and volts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    /// Of the knobs.
+    pub knobs: Vec<f64>,
+    /// Of the initial voltages.
+    pub initial: Vec<f64>,
+}
+
+/// The same patch with a parameter for every initial voltage.
+fn freed(patch: &Patch) -> Result<(Patch, Vec<Knob>), ModelError> {
+    let circuit = Circuit::new(patch, &[])?;
+    let program = Program::new(&circuit)?;
+    let machine = crate::solve::Machine::new(&program, 1e-3)?;
+    let mut edits = Vec::new();
+    let mut knobs = Vec::new();
+    let mut parameters = patch.value().get("parameters").cloned().unwrap_or_else(|| json!({}));
+    for (state, element) in program.states().iter().enumerate() {
+        if element.contains('.') {
+            continue;
+        }
+        let word: String =
+            element.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '_' }).collect();
+        let name = format!("initial_{word}");
+        let value = machine.states()[state];
+        parameters[&name] = json!({"value": value, "unit": "1", "range": [-100, 100]});
+        edits.push(Edit {
+            path: ["elements", element, "initial"].map(str::to_owned).to_vec(),
+            value: json!(name),
+        });
+        knobs.push(Knob { name, value, range: [-100.0, 100.0] });
+    }
+    edits.push(Edit::new("parameters", parameters));
+    Ok((patch.edited(patch.file(), &edits)?, knobs))
+}
+
+/// The same patch with tables, still empty, for the drives that records feed.
+fn with_tables(patch: &Patch, drives: &[Feed]) -> Result<Patch, EditError> {
+    let edits = drives.iter().map(|feed| {
+        let scale = patch.value()["drives"][&feed.drive]["scale"].clone();
+        let hold = feed.hold.as_str();
+        let table = json!({"kind": "table", "scale": scale, "points": [[0, 0]], "hold": hold});
+        Edit { path: vec!["drives".to_owned(), feed.drive.clone()], value: table }
+    });
+    patch.edited(patch.file(), &edits.collect::<Vec<_>>())
+}
+
+/// The program with the drives of a record.
+fn fed(program: &Program, record: &Record, drives: &[Feed]) -> Result<Program, ModelError> {
+    let mut own = program.clone();
+    for (feed, values) in drives.iter().zip(&record.drives) {
+        let points =
+            values.iter().enumerate().map(|(sample, value)| [sample as f64 * record.interval, *value]);
+        solve::feed(&mut own, &feed.drive, points.collect())?;
+    }
+    Ok(own)
+}
+
+fn plan(record: &Record, outputs: &[String], steps: u32) -> RunSettings {
+    let length = record.interval * (record.len() - 1) as f64;
+    RunSettings {
+        phases: vec![Phase::InitialCondition, Phase::operate(length)],
+        step: record.interval / f64::from(steps),
+        tolerance: None,
+        every: record.interval,
+        hold_on_overload: false,
+        record: outputs.to_vec(),
+        sensitivities: Vec::new(),
+        backend: Backend::default(),
+    }
+}

@@ -1,0 +1,45 @@
+//! What the parameters of an effect are measured in: products of powers of what is largest where it attaches.
+
+use crate::patch::{Expression, Formula, Node, Operator, Unit};
+
+/// A quantity that a reach names, and its largest value in its unit.
+#[derive(Debug, Clone)]
+pub struct Largest {
+    /// Its name in formulas.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: Unit,
+    /// Its largest value, without sign.
+    pub value: f64,
+}
+
+/// A reach, as a value with its unit; `None` where the formula is no product of powers of what is known.
+pub fn reach(formula: &Formula, largest: &[Largest]) -> Option<(f64, Unit)> {
+    let mut powers = Vec::new();
+    let value = product(formula.root(), 1.0, largest, &mut powers)?;
+    let parts = powers.iter().map(|(index, power): &(usize, f64)| (&largest[*index].unit, *power));
+    Some((value, Unit::of_product(parts)))
+}
+
+/// The value of a part raised to a power; what it names is noted with the powers.
+fn product(node: &Node, power: f64, largest: &[Largest], powers: &mut Vec<(usize, f64)>) -> Option<f64> {
+    match &node.expression {
+        Expression::Number(value) => Some(value.powf(power)),
+        Expression::Name(name) => {
+            let index = largest.iter().position(|own| own.name == name)?;
+            powers.push((index, power));
+            Some(largest[index].value.powf(power))
+        }
+        Expression::Binary(Operator::Multiply, left, right) => {
+            Some(product(left, power, largest, powers)? * product(right, power, largest, powers)?)
+        }
+        Expression::Binary(Operator::Divide, left, right) => {
+            Some(product(left, power, largest, powers)? * product(right, -power, largest, powers)?)
+        }
+        Expression::Binary(Operator::Power, base, exponent) => match &exponent.expression {
+            Expression::Number(exponent) => product(base, power * exponent, largest, powers),
+            _ => None,
+        },
+        _ => None,
+    }
+}

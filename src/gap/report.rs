@@ -1,0 +1,142 @@
+//! What a search found, for readers and programs: a JSON document, and the patch with what was missing.
+
+use serde_json::{Map, Value, json};
+
+use super::fit::Fitted;
+use super::score::memory;
+use super::search::{Outcome, Round, Trial, Verdict};
+use super::stage::{Problem, Stage};
+use crate::patch::{Edit, EditError, Patch};
+
+/// The standard errors on either side of a value between which it lies in 95 of 100 cases.
+const TWO_SIDED_95: f64 = 1.96;
+
+impl Outcome {
+    /// Where the search came to: the last stage that was taken.
+    pub fn last(&self) -> &Stage {
+        let taken = self.rounds.iter().rev().find(|round| round.taken);
+        taken.and_then(|round| round.trials.first()).map_or(&self.base, |trial| &trial.stage)
+    }
+
+    /// The stage that is told of: the last one where something is named, else the patch as it was.
+    pub fn told(&self) -> &Stage {
+        match self.verdict {
+            Verdict::Named | Verdict::Ambiguous => self.last(),
+            _ => &self.base,
+        }
+    }
+
+    /// The patch with the effects that are named, and every parameter at its fitted value.
+    ///
+    /// # Errors
+    /// None that is known: what is edited stands in the patch.
+    pub fn patch(&self, file: &str) -> Result<Patch, EditError> {
+        let Stage { version, train, .. } = self.told();
+        let values = version.fit.iter().zip(&train.point.knobs);
+        let edits: Vec<_> = values
+            .map(|(name, value)| Edit {
+                path: ["parameters", name, "value"].map(str::to_owned).to_vec(),
+                value: json!(value),
+            })
+            .collect();
+        version.patch.edited(file, &edits)
+    }
+
+    /// The report as a JSON document.
+    pub fn document(&self, problem: &Problem) -> Value {
+        let taken: Vec<&Round> = self.rounds.iter().filter(|round| round.taken).collect();
+        let named = matches!(self.verdict, Verdict::Named | Verdict::Ambiguous);
+        let effects = taken.iter().filter(|_| named).flat_map(|round| {
+            let told = round.trials.iter().take(1).chain(round.rivals().filter(|_| round.tied > 1));
+            told.map(|trial| effect(trial, self.last()))
+        });
+        let rivals = self.rounds.iter().enumerate().flat_map(|(number, round)| {
+            round.trials.iter().map(move |trial| rival(number + 1, round, trial))
+        });
+        json!({
+            "verdict": self.verdict.as_str(),
+            "effects": effects.collect::<Vec<_>>(),
+            "rivals": rivals.collect::<Vec<_>>(),
+            "gap": {
+                "before": gaps(problem, &self.base),
+                "after": gaps(problem, self.told()),
+            },
+            "parameters": parameters(self.told()),
+        })
+    }
+}
+
+impl Round {
+    /// The trials that the data cannot tell from the best.
+    pub fn rivals(&self) -> impl Iterator<Item = &Trial> {
+        self.trials.iter().skip(1).filter(|trial| self.is_tied(trial)).take(1)
+    }
+}
+
+fn effect(trial: &Trial, stage: &Stage) -> Value {
+    let of = |name: &str| {
+        let among = |stage: &Stage| stage.version.fit.iter().position(|own| own == name);
+        let (stage, place) = match among(stage) {
+            Some(place) => (stage, place),
+            None => (&trial.stage, among(&trial.stage)?),
+        };
+        Some((stage.train.point.knobs[place], error(&stage.train, place)))
+    };
+    let parameters = trial.candidate.graft.parameters.iter().filter_map(|own| {
+        let (value, error) = of(&own.name)?;
+        Some((own.of.clone(), measured(value, error, &own.unit)))
+    });
+    json!({
+        "name": trial.candidate.effect,
+        "junction": trial.candidate.junction,
+        "reads": trial.candidate.reads,
+        "parameters": parameters.collect::<Map<_, _>>(),
+    })
+}
+
+/// The standard error of a fitted parameter, as wide as what is left, and how long that remembers, makes it.
+pub fn error(fitted: &Fitted, place: usize) -> f64 {
+    fitted.errors[place] * ((fitted.chi2 / fitted.count as f64).max(1.0) * memory(fitted)).sqrt()
+}
+
+fn measured(value: f64, error: f64, unit: &str) -> Value {
+    let interval = [value - TWO_SIDED_95 * error, value + TWO_SIDED_95 * error];
+    json!({"value": value, "unit": unit, "interval": interval.map(|end| if end.is_finite() { json!(end) } else { Value::Null })})
+}
+
+fn parameters(stage: &Stage) -> Value {
+    let fit = stage.version.fit.iter().enumerate().map(|(place, name)| {
+        let unit = stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
+        (name.clone(), measured(stage.train.point.knobs[place], error(&stage.train, place), unit))
+    });
+    fit.collect::<Map<_, _>>().into()
+}
+
+fn rival(number: usize, round: &Round, trial: &Trial) -> Value {
+    let count = trial.stage.train.count as f64;
+    json!({
+        "step": number,
+        "name": trial.candidate.effect,
+        "junction": trial.candidate.junction,
+        "reads": trial.candidate.reads,
+        "score": trial.score,
+        "needed": round.needed,
+        "gap": (trial.stage.train.chi2 / count).sqrt(),
+        "held_out_gap": (trial.stage.test.chi2 / trial.stage.test.count as f64).sqrt(),
+        "behind": {"by": trial.behind.sum, "error": trial.behind.error},
+    })
+}
+
+fn gaps(problem: &Problem, stage: &Stage) -> Value {
+    let told = |fitted: &Fitted| {
+        let outputs =
+            problem.outputs.iter().zip(&problem.sigma).enumerate().map(|(output, (name, sigma))| {
+                let tracks = fitted.residuals.iter().flat_map(|record| record[output].iter());
+                let squares: Vec<f64> = tracks.filter(|own| !own.is_nan()).map(|own| own * own).collect();
+                let over = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
+                (name.clone(), json!({"rms": over * sigma, "over_sigma": over}))
+            });
+        Value::Object(outputs.collect::<Map<_, _>>())
+    };
+    json!({"train": told(&stage.train), "test": told(&stage.test)})
+}

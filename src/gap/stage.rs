@@ -1,0 +1,340 @@
+//! A patch fitted to the training records and held against the others: where the search stands, and every attempt to go on.
+
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng as _, SeedableRng as _};
+
+use super::candidate::Candidate;
+use super::examine::{examine, peaks};
+use super::experiment::{Experiment, Feed};
+use super::fit::{Fitted, Point, Task};
+use super::graft::{Attached, Place, Role};
+use super::model::{Choice, Model, ModelError};
+use super::reach::Largest;
+use super::record::Record;
+use crate::circuit::Circuit;
+use crate::patch::{Patch, Unit};
+
+/// What a patch is held against.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// Drives that the records feed.
+    pub drives: Vec<Feed>,
+    /// Signals that they hold.
+    pub outputs: Vec<String>,
+    /// Standard deviation of the noise of each.
+    pub sigma: Vec<f64>,
+    /// Which of them may stand off by a constant.
+    pub offset: Vec<bool>,
+    /// Records to fit.
+    pub train: Vec<Record>,
+    /// Records to confirm with.
+    pub test: Vec<Record>,
+    /// Steps of the solver from sample to sample, for the patch as it is.
+    pub steps: u32,
+}
+
+/// A patch with what may be turned in it.
+#[derive(Debug, Clone)]
+pub struct Version {
+    /// The patch.
+    pub patch: Patch,
+    /// Parameters that are fitted.
+    pub fit: Vec<String>,
+    /// Parameters that are initial voltages.
+    pub free: Vec<String>,
+    /// Steps of the solver from sample to sample.
+    pub steps: u32,
+}
+
+/// A patch fitted.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// The patch, with its parameters as they stood.
+    pub version: Version,
+    /// The best fit to the training records.
+    pub train: Fitted,
+    /// The same knobs on the other records: initial voltages are found there.
+    pub test: Fitted,
+}
+
+/// The solver may err by this share of the noise, rms.
+const FINE: f64 = 0.1;
+/// No sample takes more steps than this.
+const MOST_STEPS: u32 = 64;
+/// So many of the points from which fits could begin are gone on from.
+const GONE_ON_FROM: usize = 4;
+
+/// Where a column shows no noise, this share of its range counts as such: what the digits of a recorder leave.
+const LEAST_NOISE: f64 = 1e-6;
+
+impl Problem {
+    /// What an experiment asks for; noise that it does not tell is estimated without a model.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records.
+    pub fn of(experiment: &Experiment) -> Result<Problem, ModelError> {
+        let sigma = experiment.outputs.iter().enumerate().map(|(place, output)| {
+            output.sigma.unwrap_or_else(|| {
+                let estimates = experiment.train.iter().map(|record| noise(record, place));
+                estimates.fold(0.0, f64::max)
+            })
+        });
+        let mut problem = Problem {
+            drives: experiment.drives.clone(),
+            outputs: experiment.outputs.iter().map(|output| output.signal.clone()).collect(),
+            sigma: sigma.collect(),
+            offset: experiment.outputs.iter().map(|output| output.offset).collect(),
+            train: experiment.train.clone(),
+            test: experiment.test.clone(),
+            steps: 1,
+        };
+        problem.steps = problem.fine_enough(&experiment.patch, &experiment.fit)?;
+        Ok(problem)
+    }
+
+    /// Steps a sample with which the solver errs by less than a tenth of the noise, beside twice as many.
+    fn fine_enough(&self, patch: &Patch, fit: &[String]) -> Result<u32, ModelError> {
+        let run = |steps: u32| {
+            let version = Version { patch: patch.clone(), fit: fit.to_vec(), free: Vec::new(), steps };
+            let model = self.model(&version, &self.train, &self.outputs)?;
+            let at = Point::of(&model, 0);
+            let choice = Choice { knobs: at.knobs, initial: at.initial[0].clone() };
+            Ok::<_, ModelError>(model.run(0, &[choice]).pop().flatten())
+        };
+        let mut coarse = run(1)?;
+        for steps in [1, 2, 4, 8, 16, 32] {
+            let fine = run(2 * steps)?;
+            if let Some((coarse, fine)) = coarse.as_ref().zip(fine.as_ref()) {
+                let pairs = coarse.iter().zip(fine).zip(&self.sigma);
+                let errs = pairs.map(|((coarse, fine), sigma)| rms_difference(coarse, fine) / sigma);
+                if errs.fold(0.0, f64::max) < FINE {
+                    return Ok(steps);
+                }
+            }
+            coarse = fine;
+        }
+        Ok(MOST_STEPS)
+    }
+
+    fn model(&self, version: &Version, records: &[Record], outputs: &[String]) -> Result<Model, ModelError> {
+        Model::new(&version.patch, records, &self.drives, &version.fit, &version.free, outputs, version.steps)
+    }
+
+    fn task<'a>(&'a self, model: &'a Model, records: &'a [Record], turns: bool) -> Task<'a> {
+        Task { model, records, sigma: &self.sigma, offset: &self.offset, turns, wanted: f64::INFINITY }
+    }
+
+    /// Fits a patch from several points on, so that the sum of squares comes below what is wanted; nothing where it can be run
+    /// from none of them.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records at all.
+    fn stage(
+        &self,
+        version: Version,
+        starts: &[Point],
+        wanted: f64,
+        held_from: Option<&[Vec<f64>]>,
+    ) -> Result<Option<Stage>, ModelError> {
+        let model = self.model(&version, &self.train, &self.outputs)?;
+        let task = Task { wanted, ..self.task(&model, &self.train, true) };
+        let looks = task.look(starts);
+        let mut order: Vec<usize> = (0..starts.len()).filter(|index| looks[*index].is_finite()).collect();
+        order.sort_by(|a, b| looks[*a].total_cmp(&looks[*b]));
+        let fits = order.iter().take(GONE_ON_FROM).filter_map(|index| task.fit(&starts[*index]));
+        let Some(train) = fits.min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { return Ok(None) };
+        let test = self.held(&version, &train.point, held_from)?;
+        Ok(test.map(|test| Stage { version, train, test }))
+    }
+
+    /// The same knobs on the records that are held back: only initial voltages are found there, from where the patch stands and from
+    /// where another fit came to.
+    fn held(
+        &self,
+        version: &Version,
+        at: &Point,
+        from: Option<&[Vec<f64>]>,
+    ) -> Result<Option<Fitted>, ModelError> {
+        let model = self.model(version, &self.test, &self.outputs)?;
+        let first = Point::of(&model, self.outputs.len());
+        let first = Point { knobs: at.knobs.clone(), offsets: at.offsets.clone(), ..first };
+        let before = from.map(|initial| Point { initial: filled(initial, &first.initial), ..first.clone() });
+        let task = self.task(&model, &self.test, false);
+        let fits = before.into_iter().chain([first]).filter_map(|point| task.fit(&point));
+        Ok(fits.min_by(|a, b| a.chi2.total_cmp(&b.chi2)))
+    }
+
+    /// The first stage: a patch as it is, fitted from where it stands and from points scattered over the ranges of what is fitted.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records at all.
+    pub fn base(&self, patch: &Patch, fit: &[String], seed: u64) -> Result<Option<Stage>, ModelError> {
+        let version =
+            Version { patch: patch.clone(), fit: fit.to_vec(), free: Vec::new(), steps: self.steps };
+        let model = self.model(&version, &self.train, &self.outputs)?;
+        let first = Point::of(&model, self.outputs.len());
+        let settle = Task { turns: false, ..self.task(&model, &self.train, true) };
+        let scattered = scattered(&model, seed).into_iter().map(|knobs| Point { knobs, ..first.clone() });
+        let points: Vec<Point> = [first.clone()].into_iter().chain(scattered).collect();
+        let settled = points.iter().filter_map(|point| settle.fit(point)).map(|fitted| fitted.point);
+        let starts: Vec<Point> = settled.chain([first.clone()]).collect();
+        self.stage(version, &starts, f64::INFINITY, None)
+    }
+
+    /// The same patch fitted from where a trial with one more effect came to, if that is better.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records at all.
+    pub fn once_more(&self, stage: &Stage, trial: &Stage) -> Result<Option<Stage>, ModelError> {
+        let (own, other) = (&stage.train.point, &trial.train.point);
+        let start = Point {
+            knobs: other.knobs[..own.knobs.len()].to_vec(),
+            initial: own
+                .initial
+                .iter()
+                .zip(&other.initial)
+                .map(|(own, other)| other[..own.len()].to_vec())
+                .collect(),
+            offsets: other.offsets.clone(),
+        };
+        let again =
+            self.stage(stage.version.clone(), &[start], f64::INFINITY, Some(&stage.test.point.initial))?;
+        Ok(again.filter(|again| again.train.chi2 < BETTER * stage.train.chi2))
+    }
+
+    /// The largest values of what the signals and drives of a stage come to in training.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records.
+    pub fn peaks(&self, stage: &Stage) -> Result<Peaks, ModelError> {
+        let circuit = Circuit::new(&stage.version.patch, &[])?;
+        let patch = circuit.patch();
+        let names = patch.signals.keys().chain(patch.drives.keys()).cloned().collect::<Vec<_>>();
+        let model = self.model(&stage.version, &self.train, &names)?;
+        let mut values = vec![0.0; names.len()];
+        for (record, initial) in stage.train.point.initial.iter().enumerate() {
+            let choice = Choice { knobs: stage.train.point.knobs.clone(), initial: initial.clone() };
+            let course = model.run(record, &[choice]).pop().flatten().unwrap_or_default();
+            for (value, track) in values.iter_mut().zip(&course) {
+                *value = track.iter().fold(*value, |most: f64, own| most.max(own.abs()));
+            }
+        }
+        // What was measured is known without a model.
+        for (output, name) in self.outputs.iter().enumerate() {
+            let Some(place) = names.iter().position(|own| own == name) else { continue };
+            let data = self.train.iter().flat_map(|record| &record.outputs[output]);
+            values[place] = data.filter(|own| !own.is_nan()).fold(0.0, |most: f64, own| most.max(own.abs()));
+        }
+        let interval = self.train.iter().map(|record| record.interval).fold(f64::INFINITY, f64::min);
+        let length =
+            self.train.iter().map(|record| record.interval * record.len() as f64).fold(0.0, f64::max);
+        let left = stage.train.residuals.iter().flatten();
+        let spectrum = left.flat_map(|track| peaks(track, interval, FREQUENCIES)).collect();
+        Ok(Peaks { names, values, interval, length, spectrum })
+    }
+
+    /// Wires one more effect into a stage, and fits everything anew; nothing where the effect does not fit.
+    ///
+    /// # Errors
+    /// When the patch with it cannot be run beside the records.
+    pub fn attempt(
+        &self,
+        stage: &Stage,
+        attached: &Attached<'_>,
+        peaks: &Peaks,
+    ) -> Result<Option<(Candidate, Stage)>, ModelError> {
+        let largest = peaks.at(&attached.place);
+        let Some(candidate) = Candidate::new(attached, &stage.version.patch, &largest, &peaks.spectrum)?
+        else {
+            return Ok(None);
+        };
+        let (own, before) = (&candidate.graft, &stage.train.point);
+        let brought = own.parameters.iter().map(|parameter| parameter.name.clone());
+        let version = Version {
+            patch: own.patch.clone(),
+            fit: stage.version.fit.iter().cloned().chain(brought).collect(),
+            free: stage.version.free.iter().chain(&own.free).cloned().collect(),
+            steps: stage.version.steps.max(candidate.steps(peaks.interval)),
+        };
+        let with = |start: &Vec<f64>| Point {
+            knobs: [before.knobs.as_slice(), start].concat(),
+            initial: before
+                .initial
+                .iter()
+                .map(|initial| [initial.as_slice(), &vec![0.0; own.free.len()]].concat())
+                .collect(),
+            offsets: before.offsets.clone(),
+        };
+        let starts: Vec<Point> = candidate.starts.iter().map(with).collect();
+        Ok(self
+            .stage(version, &starts, stage.train.chi2, Some(&stage.test.point.initial))?
+            .map(|stage| (candidate, stage)))
+    }
+}
+
+/// The largest values of signals and drives, without sign, in their units.
+#[derive(Debug, Clone)]
+pub struct Peaks {
+    names: Vec<String>,
+    values: Vec<f64>,
+    interval: f64,
+    length: f64,
+    /// The frequencies of which what is left is full, in Hz.
+    pub spectrum: Vec<f64>,
+}
+
+/// A fit whose sum of squares is below this share of another's has found what that did not.
+const BETTER: f64 = 0.99;
+/// So many points are scattered over the ranges.
+const SCATTERED: usize = 4;
+
+/// Values of the knobs over their ranges, by chance.
+fn scattered(model: &Model, seed: u64) -> Vec<Vec<f64>> {
+    let mut dice = ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = || f64::from(dice.next_u32()) / f64::from(u32::MAX);
+    (0..SCATTERED).map(|_| model.knobs.iter().map(|knob| knob.at(0.1 + 0.8 * draw())).collect()).collect()
+}
+
+/// So many frequencies are tried of every output.
+const FREQUENCIES: usize = 3;
+
+impl Peaks {
+    fn of(&self, name: &str) -> Option<f64> {
+        let place = self.names.iter().position(|own| own == name)?;
+        Some(self.values[place])
+    }
+
+    /// What the reaches of effects name at a place.
+    fn at(&self, place: &Place<'_>) -> Vec<Largest> {
+        let value = |role: Role<'_>| match role {
+            Role::Read(reading) => self.of(&reading.signal),
+            // As fast as would cross its range in a twentieth of the record.
+            Role::Rate(junction) => self.of(&junction.own.signal).map(|own| 20.0 * own / self.length),
+        };
+        let roles = place.roles().into_iter().filter_map(|(name, role)| {
+            Some(Largest { name, unit: role.unit().clone(), value: value(role)? })
+        });
+        let times = [("sample", self.interval), ("record", self.length)].into_iter();
+        let times =
+            times.filter_map(|(name, value)| Some(Largest { name, unit: Unit::parse("s").ok()?, value }));
+        roles.chain(times).collect()
+    }
+}
+
+/// The noise of an output in a record.
+fn noise(record: &Record, output: usize) -> f64 {
+    let is = examine(&record.outputs[output], record.interval);
+    let least = LEAST_NOISE * (is.most - is.least);
+    is.noise.map_or(least, |noise| noise.sigma.max(least))
+}
+
+fn rms_difference(left: &[f64], right: &[f64]) -> f64 {
+    let sum: f64 = left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum();
+    (sum / left.len().max(1) as f64).sqrt()
+}
+
+/// Initial voltages of fewer states, with those of the rest behind them.
+fn filled(some: &[Vec<f64>], all: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let pairs = some.iter().zip(all);
+    pairs.map(|(some, all)| some.iter().chain(&all[some.len()..]).copied().collect()).collect()
+}

@@ -1,0 +1,62 @@
+//! What the search says of a few of the experiments that benches/hidden makes: the truth lies beside them.
+
+use std::path::Path;
+
+use patchcord::circuit::Circuit;
+use patchcord::gap::Experiment;
+use patchcord::gap::effect::Library;
+use patchcord::gap::search::{Means, Outcome, Verdict};
+use patchcord::gap::stage::Problem;
+use serde_json::Value;
+
+/// The search of a case of tests/gap/hidden, on so many threads, and its truth.
+fn searched(case: &str, threads: usize) -> (Problem, Outcome, Value) {
+    let folder = Path::new("tests/gap/hidden").join(case);
+    let experiment = Experiment::read(&folder.join("experiment.json")).unwrap_or_else(|error| panic!("{error}"));
+    let problem = Problem::of(&experiment).unwrap();
+    let library = Library::shipped();
+    let with = Means { library: &library, threads, seed: 1 };
+    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_, _| ()).unwrap().unwrap();
+    let truth = std::fs::read_to_string(folder.join("truth.json")).unwrap();
+    (problem, found, serde_json::from_str(&truth).unwrap())
+}
+
+/// Holds a search that has to name one effect against the truth.
+fn named(case: &str, parameter: &str, true_one: &str) {
+    let (problem, found, truth) = searched(case, 2);
+    assert_eq!(found.verdict, Verdict::Named);
+    let document = found.document(&problem);
+    let (effect, hidden) = (&document["effects"][0], &truth["effects"][0]);
+    assert_eq!((&effect["name"], &effect["junction"]), (&hidden["name"], &hidden["junction"]));
+    let wanted = hidden["parameters"][true_one]["value"].as_f64().unwrap();
+    let told = &effect["parameters"][parameter];
+    let near = told["value"].as_f64().unwrap() / wanted;
+    assert!((near - 1.0).abs() < 0.02, "{told} {wanted}");
+    for part in ["train", "test"] {
+        let over = |when: &str| {
+            let gaps = document["gap"][when][part].as_object().unwrap().values();
+            gaps.map(|gap| gap["over_sigma"].as_f64().unwrap()).fold(0.0, f64::max)
+        };
+        assert!(over("after") < over("before") && over("after") < 1.1, "{}", document["gap"]);
+    }
+    let patch = found.patch("augmented.json").unwrap();
+    let circuit = Circuit::new(&patch, &[]).unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!(circuit.warnings().to_string(), "");
+}
+
+#[test]
+fn a_pump_at_its_limit_is_named() {
+    named("saturation", "L", "L");
+}
+
+#[test]
+fn a_constant_inflow_is_named_at_its_tank() {
+    named("bias", "b", "b");
+}
+
+#[test]
+fn nothing_is_named_where_nothing_is_missing_whatever_the_threads() {
+    let [(problem, one, _), (_, other, _)] = [1, 2].map(|threads| searched("nothing", threads));
+    assert_eq!(one.verdict, Verdict::NothingMissing);
+    assert_eq!(one.document(&problem), other.document(&problem));
+}
