@@ -81,20 +81,14 @@ fn text(page: &Page) -> String {
         text += &format!("{what:<8}{told}\n");
     }
     let tables = [
-        table(Page::PARAMETERS, &page.parameters),
-        table(Page::FORMS, &page.forms),
-        table(Page::ALIASES, &page.aliases),
+        Table::told(Page::PARAMETERS, &page.parameters),
+        Table::told(Page::FORMS, &page.forms),
+        Table::told(Page::ALIASES, &page.aliases),
     ];
     for table in tables.iter().filter(|table| !table.is_empty()) {
         text += &format!("\n{table}");
     }
     text
-}
-
-fn table<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> String {
-    let mut table = Table::new(headings);
-    rows.iter().for_each(|row| table.row(row.clone()));
-    table.text()
 }
 
 fn document(effect: &Effect) -> Value {

@@ -66,20 +66,12 @@ fn text(page: &Page) -> String {
     for (what, told) in &page.facts {
         text += &format!("{what:<10}{told}\n");
     }
-    for table in [table(Page::INPUTS, &page.inputs), table(Page::SETTINGS, &page.settings)] {
+    for table in [Table::told(Page::INPUTS, &page.inputs), Table::told(Page::SETTINGS, &page.settings)] {
         if !table.is_empty() {
             text += &format!("\n{table}");
         }
     }
     text
-}
-
-fn table<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> String {
-    let mut table = Table::new(headings);
-    for row in rows {
-        table.row(row.clone());
-    }
-    table.text()
 }
 
 fn kind_json(kind: &Kind) -> Value {

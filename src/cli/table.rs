@@ -15,6 +15,13 @@ impl Table {
         Table { rows: vec![headings.into()] }
     }
 
+    /// The text of a table whose rows are known.
+    pub fn told<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> String {
+        let mut table = Table::new(headings);
+        rows.iter().for_each(|row| table.row(row.clone()));
+        table.text()
+    }
+
     pub fn row(&mut self, cells: impl Into<Vec<String>>) {
         self.rows.push(cells.into());
     }

@@ -41,6 +41,7 @@ mod triangle;
 
 pub(crate) use kind::gain_of;
 pub use kind::{Family, Input, Jacks, Kind, Output, Takes, Transfer};
+pub(crate) use page::markdown_table;
 pub use page::{Page, reference_page};
 pub(crate) use reference::{REFERENCE, REFERENCES};
 pub use setting::{Default, Measure, Setting};

@@ -38,7 +38,8 @@ impl Page {
     /// The page as a section of a Markdown document.
     pub fn markdown(&self) -> String {
         let facts: String = self.facts.iter().map(|(what, text)| format!("* {what}: {text}\n")).collect();
-        let tables = [table(Self::INPUTS, &self.inputs), table(Self::SETTINGS, &self.settings)];
+        let tables =
+            [markdown_table(Self::INPUTS, &self.inputs), markdown_table(Self::SETTINGS, &self.settings)];
         format!("### {}\n\n{}.\n\n{facts}{}", self.name, self.summary, tables.concat())
     }
 }
@@ -70,7 +71,8 @@ fn setting_row(setting: &Setting) -> [String; 5] {
 }
 
 /// A Markdown table after an empty line; nothing where there are no rows.
-fn table<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> String {
+/// A table of a Markdown document; nothing where there are no rows.
+pub(crate) fn markdown_table<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> String {
     if rows.is_empty() {
         return String::new();
     }
@@ -88,7 +90,7 @@ pub fn reference_page() -> String {
             let row = |kind: &&&Kind| [format!("[{0}](#{0})", kind.name), kind.summary.to_owned()];
             let rows: Vec<_> = kinds.iter().map(row).collect();
             let pages: String = kinds.iter().map(|kind| format!("\n{}", Page::of(kind).markdown())).collect();
-            format!("\n## {heading}\n{}{pages}", table(["kind", "what it is"], &rows))
+            format!("\n## {heading}\n{}{pages}", markdown_table(["kind", "what it is"], &rows))
         })
         .concat();
     format!(
@@ -177,6 +179,6 @@ mod tests {
     #[test]
     fn bars_within_cells_stay_in_their_cells() {
         let rows = [["|x|".to_owned(), "size".to_owned()]];
-        assert_eq!(table(["a", "b"], &rows), "\n| a | b |\n|---|---|\n| \\|x\\| | size |\n");
+        assert_eq!(markdown_table(["a", "b"], &rows), "\n| a | b |\n|---|---|\n| \\|x\\| | size |\n");
     }
 }

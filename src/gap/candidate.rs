@@ -64,9 +64,7 @@ impl Candidate {
             starts: without.into_iter().chain(starts).take(MOST_STARTS).collect(),
         }))
     }
-}
 
-impl Candidate {
     /// Whether it is this effect at this place.
     pub fn is(&self, attached: &Attached<'_>) -> bool {
         self.effect == attached.effect.name

@@ -3,13 +3,12 @@
 use std::fmt;
 use std::path::Path;
 
-use serde_json::json;
-
 use super::document::{self, Document, Hold};
+use super::model::with_tables;
 use super::record::Record;
 use super::together::Bringing;
 use crate::patch::fields::Findings;
-use crate::patch::{Code, Diagnostic, Edit, EditError, Patch, PatchError, Report, Span, Unit, text_of, tree};
+use crate::patch::{Code, Diagnostic, EditError, Patch, PatchError, Report, Span, Unit, text_of, tree};
 
 /// Fewer samples than this are neither trained nor tested on.
 pub const LEAST_SAMPLES: usize = 10;
@@ -140,16 +139,7 @@ impl Experiment {
     /// # Errors
     /// None that is known: what is put in place of a drive is one.
     pub fn patch_to_feed(&self) -> Result<Patch, EditError> {
-        let table = |feed: &Feed| {
-            let scale = self.patch.drives.get(&feed.drive).and_then(|drive| drive.scale.as_ref());
-            let scale = scale.map(|scale| scale.value.as_str());
-            Edit {
-                path: vec!["drives".to_owned(), feed.drive.clone()],
-                value: json!({"kind": "table", "scale": scale, "points": [[0, 0]], "hold": feed.hold.as_str()}),
-            }
-        };
-        let edits: Vec<_> = self.drives.iter().map(table).collect();
-        self.patch.edited(self.patch.file(), &edits)
+        with_tables(&self.patch, &self.drives)
     }
 }
 

@@ -10,6 +10,9 @@ use crate::program::Program;
 use crate::solve::{self, Backend, FeedError, RunError, RunSettings, preset, run_abreast};
 use crate::trace::Trace;
 
+/// Ranges above 0 whose ends differ by more than this factor are gone through by factors.
+const WIDE: f64 = 20.0;
+
 /// A value that can be turned while a model is fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Knob {
@@ -28,12 +31,7 @@ impl Knob {
         let (low, high) = parameter.range?;
         Some(Knob { name: name.to_owned(), value: parameter.value, range: [low, high] })
     }
-}
 
-/// Ranges above 0 whose ends differ by more than this factor are gone through by factors.
-const WIDE: f64 = 20.0;
-
-impl Knob {
     /// A value as a share of the way from the least to the largest.
     pub(super) fn share(&self, value: f64) -> f64 {
         let [low, high] = self.range;
@@ -137,19 +135,21 @@ impl Model {
     /// Runs one record with several choices of knobs and initial voltages, side by side; nothing where a run had to stop.
     pub fn run(&self, record: usize, choices: &[Choice]) -> Vec<Option<Course>> {
         let program = &self.programs[record];
+        let mut ready = Vec::new();
         let set = choices.iter().map(|choice| {
             let mut own = program.clone();
             let knobs = self.knobs.iter().zip(&choice.knobs);
             let initial = self.initial.iter().zip(&choice.initial);
             let changes: Vec<_> =
                 knobs.chain(initial).map(|(knob, value)| (knob.name.as_str(), *value)).collect();
-            preset(&mut own, &changes).ok().map(|()| own)
+            let is_set = preset(&mut own, &changes).is_ok();
+            ready.extend(is_set.then_some(own));
+            is_set
         });
-        let set: Vec<Option<Program>> = set.collect();
-        let ready: Vec<Program> = set.iter().flatten().cloned().collect();
+        let set: Vec<bool> = set.collect();
         let mut ended = run_abreast(&ready, &self.settings[record]).into_iter();
         let course = |trace: Trace| self.course(record, &trace);
-        set.iter().map(|own| own.as_ref().and_then(|_| ended.next()?.ok()).and_then(course)).collect()
+        set.into_iter().map(|is_set| is_set.then(|| ended.next()?.ok().and_then(course)).flatten()).collect()
     }
 
     fn course(&self, record: usize, trace: &Trace) -> Option<Course> {
@@ -199,8 +199,8 @@ fn freed(patch: &Patch) -> Result<(Patch, Vec<Knob>), ModelError> {
     Ok((patch.edited(patch.file(), &edits)?, knobs))
 }
 
-/// The same patch with tables, still empty, for the drives that records feed.
-fn with_tables(patch: &Patch, drives: &[Feed]) -> Result<Patch, EditError> {
+/// The same patch with a table of one point, zero, in place of every drive that records feed, held as they say.
+pub(super) fn with_tables(patch: &Patch, drives: &[Feed]) -> Result<Patch, EditError> {
     let edits = drives.iter().map(|feed| {
         let scale = patch.value()["drives"][&feed.drive]["scale"].clone();
         let hold = feed.hold.as_str();

@@ -1,6 +1,7 @@
 //! What a reader is told of an effect: its page on the terminal and its part of docs/effects.md.
 
 use super::{Effect, Form, Library, Start};
+use crate::elements::markdown_table as table;
 
 /// An effect's page in words, for a terminal or a document to lay out.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,9 +56,9 @@ impl Page {
     pub fn markdown(&self) -> String {
         let facts: String = self.facts.iter().map(|(what, text)| format!("* {what}: {text}\n")).collect();
         let tables = [
-            table(&Self::PARAMETERS, &self.parameters),
-            table(&Self::FORMS, &self.forms),
-            table(&Self::ALIASES, &self.aliases),
+            table(Self::PARAMETERS, &self.parameters),
+            table(Self::FORMS, &self.forms),
+            table(Self::ALIASES, &self.aliases),
         ];
         format!("### {}\n\n{}. {}\n\n{facts}{}", self.name, self.title, self.physics, tables.concat())
     }
@@ -72,19 +73,6 @@ fn form_row(form: &Form) -> [String; 5] {
         form.parameters.join(", "),
         form.note.clone(),
     ]
-}
-
-fn table<const N: usize>(headings: &[&str; N], rows: &[[String; N]]) -> String {
-    if rows.is_empty() {
-        return String::new();
-    }
-    let line = |cells: &[String]| {
-        let cells: Vec<_> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
-        format!("| {} |\n", cells.join(" | "))
-    };
-    let head = line(&headings.map(str::to_owned));
-    let rows: String = rows.iter().map(|row| line(row)).collect();
-    format!("\n{head}|{}\n{rows}", "---|".repeat(N))
 }
 
 impl Library {
