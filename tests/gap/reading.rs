@@ -272,5 +272,5 @@ fn the_measurements_that_are_not_ours_can_be_read() {
         }),
     );
     assert_eq!((made.train[0].len(), made.test[0].len()), (1024, 1024));
-    assert_eq!((made.train[0].drives[0][1023], made.test[0].outputs[0][0]), (2.9806, 4.9728));
+    assert_eq!((made.train[0].drives[0][1023], made.test[0].outputs[0][0]), (3.2615, 4.9728));
 }
