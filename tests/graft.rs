@@ -61,13 +61,12 @@ fn sites(patch: &Patch) -> Sites {
 
 /// What is largest at a place, what 40 V stand for, and times.
 fn largest(attached: &Attached<'_>) -> Vec<Largest> {
-    let told = |(name, role): (&'static str, Role<'_>)| Largest {
-        name,
-        unit: role.unit().clone(),
-        value: 40.0 * role.per_volt(),
+    let told = |(name, role): (&'static str, Role<'_>)| {
+        let end = 40.0 * role.per_volt();
+        Largest::of(name, role.unit().clone(), [-end, end])
     };
     let times = [("sample", 0.01), ("record", 3.0)];
-    let times = times.map(|(name, value)| Largest { name, unit: Unit::parse("s").unwrap(), value });
+    let times = times.map(|(name, value)| Largest::of(name, Unit::parse("s").unwrap(), [0.0, value]));
     attached.place.roles().into_iter().map(told).chain(times).collect()
 }
 
@@ -99,8 +98,8 @@ fn a_junction_knows_its_force_its_velocity_and_its_position() {
         assert_eq!(junction.own.signal, "v");
         assert_eq!(junction.sum.of.as_ref().map(|of| of.signal.as_str()), Some("net_force"));
         assert_eq!(
-            (junction.sum.setting.as_deref(), junction.sum.jack.as_str()),
-            (Some("(force / velocity / m / 10)"), "x10")
+            (junction.sum.setting.as_deref(), junction.sum.gain),
+            (Some("(force / velocity / m / 10)"), 10.0)
         );
         assert_eq!(junction.positions.iter().map(|own| own.signal.as_str()).collect::<Vec<_>>(), ["x"]);
         assert_eq!(junction.loads.iter().map(|own| own.signal.as_str()).collect::<Vec<_>>(), ["F"]);

@@ -1,8 +1,10 @@
 //! The cases, and the truth about them, which lies apart.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use patchcord::patch::Unit;
 use serde_json::Value;
 
 use crate::Outcome;
@@ -16,10 +18,18 @@ pub struct Hidden {
 pub struct Truth {
     /// "none", a name, "unknown:kind" or two names joined by "+".
     pub what: String,
-    /// Name and junction of each effect.
-    pub effects: Vec<(String, String)>,
+    /// The effects.
+    pub effects: Vec<Effect>,
     /// The rms that the best base leaves, over sigma.
     pub egnr: f64,
+}
+
+/// An effect that is hidden.
+pub struct Effect {
+    pub name: String,
+    pub junction: String,
+    /// Its parameters, in SI units.
+    pub parameters: BTreeMap<String, f64>,
 }
 
 impl Hidden {
@@ -46,14 +56,31 @@ impl Hidden {
     pub fn truth(&self, number: usize) -> Outcome<Truth> {
         let text = std::fs::read_to_string(self.folder.path().join(format!("truth/{number:04}.json")))?;
         let told: Value = serde_json::from_str(&text)?;
-        let word = |value: &Value| value.as_str().unwrap_or_default().to_owned();
         let effects = told["effects"].as_array().into_iter().flatten();
         Ok(Truth {
             what: word(&told["truth"]),
-            effects: effects.map(|own| (word(&own["name"]), word(&own["junction"]))).collect(),
+            effects: effects.map(effect).collect(),
             egnr: told["egnr"].as_f64().unwrap_or_default(),
         })
     }
+}
+
+fn word(value: &Value) -> String {
+    value.as_str().unwrap_or_default().to_owned()
+}
+
+fn effect(told: &Value) -> Effect {
+    let parameters = told["parameters"].as_object().into_iter().flatten();
+    Effect {
+        name: word(&told["name"]),
+        junction: word(&told["junction"]),
+        parameters: parameters.filter_map(|(name, own)| Some((name.clone(), in_si(own)?))).collect(),
+    }
+}
+
+/// A value with its unit, in SI.
+pub fn in_si(told: &Value) -> Option<f64> {
+    Some(Unit::parse(told["unit"].as_str()?).ok()?.to_si(told["value"].as_f64()?))
 }
 
 fn succeed(command: &mut Command) -> Outcome<()> {

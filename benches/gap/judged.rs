@@ -9,8 +9,11 @@ use patchcord::gap::score::{colour, memory};
 use patchcord::gap::search::{Means, Outcome as Found, Verdict};
 use patchcord::gap::stage::Problem;
 
+use patchcord::patch::Unit;
+use serde_json::Value;
+
 use crate::Outcome;
-use crate::hidden::{Hidden, Truth};
+use crate::hidden::{Effect, Hidden, Truth, in_si};
 
 /// How an answer stands to the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,9 +40,21 @@ pub struct Judged {
     /// Name and junction of what was named.
     pub named: Vec<(String, String)>,
     pub judgement: Judgement,
+    /// Parameters of effects that are rightly named, which the truth tells, too.
+    pub parameters: Vec<Parameter>,
+    /// What is left of the data that were held back, rms over sigma.
+    pub held_out: f64,
     pub seconds: f64,
     /// What was tried, for a reader.
     pub tried: String,
+}
+
+/// A fitted parameter beside the true one.
+pub struct Parameter {
+    /// Of the difference, the share of the true value.
+    pub off: f64,
+    /// Whether its interval holds the true value.
+    pub is_covered: bool,
 }
 
 impl Judged {
@@ -52,40 +67,75 @@ impl Judged {
         let found = problem.search(&experiment.patch, &experiment.fit, &with, |_, _| ())?;
         let seconds = began.elapsed().as_secs_f64();
         let Some(found) = found else { return Err(format!("case {number} cannot be run").into()) };
-        let named = named(&found);
+        let effects = found.document(&problem)["effects"].as_array().cloned().unwrap_or_default();
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+        let named: Vec<_> = effects.iter().map(|own| (text(&own["name"]), text(&own["junction"]))).collect();
         let judgement = judgement(&truth, &found, &named);
-        let tried = tried(&problem, &found);
-        Ok(Judged { number, truth, verdict: found.verdict.as_str(), named, judgement, seconds, tried })
+        let held = &found.told().test;
+        Ok(Judged {
+            verdict: found.verdict.as_str(),
+            judgement,
+            parameters: parameters(&truth, &effects),
+            held_out: (held.chi2 / held.count as f64).sqrt(),
+            tried: tried(&problem, &found),
+            number,
+            truth,
+            named,
+            seconds,
+        })
+    }
+
+    /// Whether everything that is rightly named is named where it is; nothing where nothing is.
+    pub fn is_in_place(&self) -> Option<bool> {
+        let right = self.named.iter().filter_map(|(name, at)| {
+            let effect = self.truth.effects.iter().find(|own| own.name == *name)?;
+            Some(effect.junction == *at)
+        });
+        right.reduce(|all, own| all && own)
     }
 
     /// The case in a line.
     pub fn line(&self) -> String {
         let named: Vec<_> = self.named.iter().map(|(name, at)| format!("{name}@{at}")).collect();
+        let most_off = self.parameters.iter().map(|own| own.off).fold(0.0, f64::max);
         format!(
-            "{:04} {:<44} {:7.2}  {:<15} {:<44} {:?} {:.1} s",
+            "{:04} {:<44} {:7.2}  {:<15} {:<44} {:?} held {:.3} off {:.3} {:.1} s",
             self.number,
             self.truth.what,
             self.truth.egnr,
             self.verdict,
             named.join("+"),
             self.judgement,
+            self.held_out,
+            most_off,
             self.seconds
         )
     }
 }
 
-fn named(found: &Found) -> Vec<(String, String)> {
-    if !matches!(found.verdict, Verdict::Named | Verdict::Ambiguous) {
-        return Vec::new();
+fn parameters(truth: &Truth, effects: &[Value]) -> Vec<Parameter> {
+    let pairs = truth.effects.iter().flat_map(|own| {
+        let named = effects.iter().find(|effect| effect["name"] == own.name.as_str());
+        own.parameters.iter().filter_map(move |(name, wanted)| Some((&named?["parameters"][name], *wanted)))
+    });
+    let pairs = pairs.filter(|(_, wanted)| *wanted != 0.0);
+    pairs.filter_map(|(told, wanted)| Parameter::of(told, wanted)).collect()
+}
+
+impl Parameter {
+    /// `told` as the report has it, the true value in SI.
+    fn of(told: &Value, wanted: f64) -> Option<Parameter> {
+        let unit = Unit::parse(told["unit"].as_str()?).ok()?;
+        let end = |place: usize| told["interval"][place].as_f64().map(|end| unit.to_si(end));
+        let (low, high) = (end(0).unwrap_or(f64::NEG_INFINITY), end(1).unwrap_or(f64::INFINITY));
+        let off = (in_si(told)? - wanted).abs() / wanted.abs();
+        Some(Parameter { off, is_covered: (low..=high).contains(&wanted) })
     }
-    let rounds = found.rounds.iter().filter(|round| round.taken);
-    let trials = rounds.flat_map(|round| round.trials.iter().take(1).chain(round.rivals()));
-    trials.map(|trial| (trial.candidate.effect.clone(), trial.candidate.junction.clone())).collect()
 }
 
 fn judgement(truth: &Truth, found: &Found, named: &[(String, String)]) -> Judgement {
-    let is_there = |(name, _): &(String, String)| truth.effects.iter().any(|(own, _)| own == name);
-    let is_named = |(name, _): &(String, String)| named.iter().any(|(own, _)| own == name);
+    let is_there = |(name, _): &(String, String)| truth.effects.iter().any(|own| own.name == *name);
+    let is_named = |own: &Effect| named.iter().any(|(name, _)| own.name == *name);
     match found.verdict {
         Verdict::NothingMissing if truth.effects.is_empty() => Judgement::Right,
         Verdict::UnknownEffect | Verdict::Named | Verdict::Ambiguous if truth.effects.is_empty() => {

@@ -2,7 +2,7 @@
 //!
 //!     cargo bench --bench gap                 the whole: 1000 cases, written to docs/hidden-effects.md
 //!     cargo bench --bench gap -- 60           the first 60
-//!     cargo bench --bench gap -- 41-50 -v     some, each told with what was tried
+//!     cargo bench --bench gap -- 41-90/7 -v   every seventh of some, each told with what was tried
 //!
 //! The cases are made by the program in benches/hidden, which a C compiler makes first.
 
@@ -10,7 +10,6 @@ mod hidden;
 mod judged;
 mod page;
 
-use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
@@ -28,22 +27,28 @@ const CASES: usize = 1000;
 
 /// What is asked for.
 struct Asked {
-    cases: RangeInclusive<usize>,
+    first: usize,
+    last: usize,
+    every: usize,
     seed: u64,
     verbose: bool,
 }
 
 fn asked() -> Outcome<Asked> {
-    let mut asked = Asked { cases: 1..=CASES, seed: SEED, verbose: false };
+    let mut asked = Asked { first: 1, last: CASES, every: 1, seed: SEED, verbose: false };
     for word in std::env::args().skip(1).filter(|word| word != "--bench") {
         match word.strip_prefix("seed=") {
             Some(seed) => asked.seed = seed.parse()?,
             None if word == "-v" => asked.verbose = true,
             None => {
-                asked.cases = match word.split_once('-') {
-                    Some((first, last)) => first.parse()?..=last.parse()?,
-                    None => 1..=word.parse()?,
-                }
+                let (range, every) = word.split_once('/').unwrap_or((&word, "1"));
+                let (first, last) = range.split_once('-').unwrap_or(("1", range));
+                asked = Asked {
+                    first: first.parse()?,
+                    last: last.parse()?,
+                    every: every.parse::<usize>()?.max(1),
+                    ..asked
+                };
             }
         }
     }
@@ -52,12 +57,12 @@ fn asked() -> Outcome<Asked> {
 
 fn main() -> Outcome<()> {
     let asked = asked()?;
-    let hidden = Hidden::made(asked.seed, *asked.cases.end())?;
+    let hidden = Hidden::made(asked.seed, asked.last)?;
     let library = Library::shipped();
     let judged = all(&asked, &hidden, &library)?;
     let page = page::page(&judged);
     println!("{page}");
-    if (asked.cases.clone(), asked.seed) == (1..=CASES, SEED) {
+    if judged.len() == CASES && asked.seed == SEED {
         std::fs::write("docs/hidden-effects.md", page)?;
     }
     Ok(())
@@ -66,7 +71,7 @@ fn main() -> Outcome<()> {
 /// Searches every case, one on each core, and takes them in their order.
 fn all(asked: &Asked, hidden: &Hidden, library: &Library) -> Outcome<Vec<Judged>> {
     let cores = thread::available_parallelism().map_or(1, usize::from);
-    let next = AtomicUsize::new(*asked.cases.start());
+    let next = AtomicUsize::new(asked.first);
     let (tell, told) = mpsc::channel();
     let mut judged: Vec<Judged> = Vec::new();
     thread::scope(|scope| {
@@ -74,9 +79,8 @@ fn all(asked: &Asked, hidden: &Hidden, library: &Library) -> Outcome<Vec<Judged>
             let (tell, next) = (tell.clone(), &next);
             scope.spawn(move || {
                 loop {
-                    let number = next.fetch_add(1, Ordering::Relaxed);
-                    let is_left = asked.cases.contains(&number);
-                    if !is_left || tell.send(Judged::of(number, hidden, library)).is_err() {
+                    let number = next.fetch_add(asked.every, Ordering::Relaxed);
+                    if number > asked.last || tell.send(Judged::of(number, hidden, library)).is_err() {
                         return;
                     }
                 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use crate::judged::{Judged, Judgement};
+use crate::judged::{Judged, Judgement, Parameter};
 
 /// What is told of cases whose gap is so large against the noise.
 const BANDS: [(&str, f64, f64); 3] =
@@ -17,6 +17,7 @@ pub fn page(judged: &[Judged]) -> String {
         judged.len()
     );
     text += &shares(judged);
+    text += &measures(judged);
     text += &confusion(judged);
     text
 }
@@ -58,12 +59,41 @@ fn shares(judged: &[Judged]) -> String {
             let _ = writeln!(text, "| {wanted} | {band} | {} |", counted(&those));
         }
     }
+    text
+}
+
+/// How good what is rightly named is, and what it cost.
+fn measures(judged: &[Judged]) -> String {
+    let of = |is: &dyn Fn(&&Judged) -> bool| judged.iter().filter(|one| is(one)).count();
+    let placed = judged.iter().filter_map(Judged::is_in_place);
+    let (placed, in_place) = placed.fold((0, 0), |(all, own), is| (all + 1, own + usize::from(is)));
+    let large = |one: &&Judged| one.truth.egnr > 3.0 && one.judgement == Judgement::Right;
+    let parameters: Vec<&Parameter> = judged.iter().filter(large).flat_map(|one| &one.parameters).collect();
+    let near = |within: f64| parameters.iter().filter(|own| own.off <= within).count();
+    let covered = parameters.iter().filter(|own| own.is_covered).count();
+    let named = |one: &&Judged| one.judgement == Judgement::Right && !one.named.is_empty();
+    let clean = |within: f64| of(&|one| named(one) && one.held_out <= within);
     let mut times: Vec<f64> = judged.iter().map(|one| one.seconds).collect();
     times.sort_by(f64::total_cmp);
-    if let (Some(median), Some(longest)) = (times.get(times.len() / 2), times.last()) {
-        let _ = writeln!(text, "\nA search took {median:.1} s on one core (median), {longest:.0} s at most.");
-    }
-    text
+    let median = times.get(times.len() / 2).copied().unwrap_or_default();
+    let longest = times.last().copied().unwrap_or_default();
+    let rows = [
+        ("named at the right place", format!("{in_place} of {placed}")),
+        (
+            "parameters of what is rightly named, gap over noise above 3: within 10 %",
+            format!("{} of {}", near(0.1), parameters.len()),
+        ),
+        ("within 3 %", format!("{} of {}", near(0.03), parameters.len())),
+        ("the true value in the interval of 95 %", format!("{covered} of {}", parameters.len())),
+        (
+            "data held back, after naming: within 10 % of the noise",
+            format!("{} of {}", clean(1.1), of(&named)),
+        ),
+        ("within 5 %", format!("{} of {}", clean(1.05), of(&named))),
+        ("time of a search on one core, median and longest", format!("{median:.1} s, {longest:.0} s")),
+    ];
+    let rows: String = rows.iter().map(|(what, told)| format!("| {what} | {told} |\n")).collect();
+    format!("\n| measure | |\n|---|---|\n{rows}")
 }
 
 /// What was said of every single effect.

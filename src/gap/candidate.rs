@@ -81,6 +81,19 @@ impl Candidate {
     }
 }
 
+/// Values by so many shares of the span from the end of what the reach names.
+const FROM_THE_END: [f64; 2] = [0.01, 0.05];
+
+fn near_the_end(
+    parameter: &EffectParameter,
+    largest: &[Largest],
+    towards: impl Fn([f64; 2]) -> [f64; 2],
+) -> Option<Vec<f64>> {
+    let named = largest.iter().find(|own| own.name == parameter.reach.text())?;
+    let [end, other] = towards(named.ends);
+    Some(FROM_THE_END.iter().map(|share| end + share * (other - end)).collect())
+}
+
 /// A parameter in its unit.
 struct Measured {
     brought: Brought,
@@ -92,10 +105,16 @@ struct Measured {
 impl Measured {
     fn of(name: &str, parameter: &EffectParameter, largest: &[Largest], peaks: &[f64]) -> Option<Measured> {
         let (size, unit) = reach(&parameter.reach, largest)?;
+        // Where something that it is measured in never leaves zero, it has nothing to act on.
+        if !size.is_normal() {
+            return None;
+        }
         let range = parameter.range.map(|end| end * size);
         let starts: Vec<f64> = match &parameter.start {
             Start::Values(values) => values.iter().map(|value| value * size).collect(),
             Start::Spectrum => peaks.to_vec(),
+            Start::Highest => near_the_end(parameter, largest, |[least, most]| [most, least])?,
+            Start::Lowest => near_the_end(parameter, largest, |[least, most]| [-least, -most])?,
         };
         let starts: Vec<f64> = starts.into_iter().map(|start| start.clamp(range[0], range[1])).collect();
         let brought = Brought {
@@ -106,6 +125,6 @@ impl Measured {
             range,
         };
         let none = parameter.none.map(|none| none * size);
-        size.is_normal().then_some(Measured { brought, none, starts })
+        Some(Measured { brought, none, starts })
     }
 }

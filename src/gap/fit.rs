@@ -116,8 +116,16 @@ impl Task<'_> {
         rounds >= FIRST_ROUNDS && chi2 - gain * (MOST_ROUNDS - rounds) as f64 > self.wanted
     }
 
+    /// So many of several points, those with the least sums of squares first.
+    pub fn nearest<'p>(&self, points: &'p [Point], count: usize) -> impl Iterator<Item = &'p Point> {
+        let looks = self.look(points);
+        let mut order: Vec<usize> = (0..points.len()).filter(|index| looks[*index].is_finite()).collect();
+        order.sort_by(|a, b| looks[*a].total_cmp(&looks[*b]));
+        order.into_iter().take(count).map(|index| &points[index])
+    }
+
     /// The sums of squares at several points; infinite where the model cannot be run.
-    pub fn look(&self, points: &[Point]) -> Vec<f64> {
+    fn look(&self, points: &[Point]) -> Vec<f64> {
         let shares: Vec<_> = points.iter().map(|point| self.shares(point)).collect();
         let courses = self.courses(&shares);
         let pairs = shares.iter().zip(&courses);

@@ -183,6 +183,9 @@ impl<'a> Role<'a> {
     }
 }
 
+/// The parameter that says when a record begins, in seconds from where its file begins: laws that go by the clock need it.
+pub const RECORD_START: &str = "record_start";
+
 /// A parameter that a graft brings into the patch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Brought {
@@ -355,7 +358,7 @@ impl<'a> Wiring<'a> {
             self.elements.insert(name.clone(), json!({"kind": "pot", "in": from, "setting": setting}));
             from = name;
         }
-        let jack = format!("{prefix}{}", junction.sum.jack);
+        let jack = format!("{prefix}x{}", junction.sum.gain * self.attached.form.times);
         let element = self.element(&junction.integrator);
         if let Some(Value::Object(inputs)) = element.get_mut("in") {
             let cords = inputs.entry(jack).or_insert_with(|| json!([]));
@@ -441,6 +444,10 @@ impl<'a> Wiring<'a> {
             });
             put(&mut edits, self.patch, "parameters", &own.name, value);
         }
+        if self.goes_by_the_clock() {
+            let value = json!({"value": 0, "unit": "s", "description": "when the record begins"});
+            put(&mut edits, self.patch, "parameters", RECORD_START, value);
+        }
         put(&mut edits, self.patch, "macros", macro_name, self.fragment());
         let mut instance = Map::new();
         instance.insert("kind".to_owned(), json!(macro_name));
@@ -451,6 +458,12 @@ impl<'a> Wiring<'a> {
             put(&mut edits, self.patch, "elements", name, element.clone());
         }
         edits
+    }
+
+    fn goes_by_the_clock(&self) -> bool {
+        let drives = self.attached.form.drives.values().filter_map(Value::as_object);
+        let mut settings = drives.flat_map(|drive| drive.values()).filter_map(Value::as_str);
+        settings.any(|setting| setting.contains(RECORD_START))
     }
 
     /// The fragment as a macro.
@@ -487,12 +500,19 @@ impl<'a> Wiring<'a> {
     fn written(&self, value: &Value) -> Value {
         match value {
             Value::Object(entries) => {
-                let written = |(key, value): (&String, &Value)| {
-                    let value =
-                        if key == "note" || key == "kind" { value.clone() } else { self.written(value) };
-                    (self.jack(key), value)
-                };
-                Value::Object(entries.iter().map(written).collect())
+                let mut written = Map::new();
+                for (key, value) in entries {
+                    let is_plain = key == "note" || key == "kind";
+                    let value = if is_plain { value.clone() } else { self.written(value) };
+                    // A gain may come to that of a jack that has cords already.
+                    match (written.get_mut(&self.jack(key)), value) {
+                        (Some(Value::Array(cords)), Value::Array(more)) => cords.extend(more),
+                        (_, value) => {
+                            written.insert(self.jack(key), value);
+                        }
+                    }
+                }
+                Value::Object(written)
             }
             Value::Array(items) => Value::Array(items.iter().map(|item| self.written(item)).collect()),
             // An input port has the name of its role.

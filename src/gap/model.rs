@@ -3,6 +3,7 @@
 use serde_json::json;
 
 use super::experiment::Feed;
+use super::graft::RECORD_START;
 use super::record::Record;
 use crate::circuit::Circuit;
 use crate::patch::{Edit, EditError, Patch, Phase, Report};
@@ -217,6 +218,9 @@ fn fed(program: &Program, record: &Record, drives: &[Feed]) -> Result<Program, M
         let points =
             values.iter().enumerate().map(|(sample, value)| [sample as f64 * record.interval, *value]);
         solve::feed(&mut own, &feed.drive, points.collect())?;
+    }
+    if own.parameter(RECORD_START).is_some() {
+        preset(&mut own, &[(RECORD_START, record.since)])?;
     }
     Ok(own)
 }

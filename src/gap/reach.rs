@@ -11,6 +11,16 @@ pub struct Largest {
     pub unit: Unit,
     /// Its largest value, without sign.
     pub value: f64,
+    /// Its least and its largest value.
+    pub ends: [f64; 2],
+}
+
+impl Largest {
+    /// A quantity between two values.
+    pub fn of(name: &'static str, unit: Unit, ends: [f64; 2]) -> Largest {
+        let value = ends[0].abs().max(ends[1].abs());
+        Largest { name, unit, value, ends }
+    }
 }
 
 /// A reach, as a value with its unit; `None` where the formula is no product of powers of what is known.

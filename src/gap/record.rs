@@ -12,6 +12,8 @@ pub struct Record {
     pub name: String,
     /// When the first sample was taken, in seconds by the clock of the file.
     pub begin: f64,
+    /// Seconds before that by the same clock, from where the file begins.
+    pub since: f64,
     /// Seconds from sample to sample.
     pub interval: f64,
     /// How far a sample was taken off its even time at most, in intervals.
@@ -44,10 +46,34 @@ impl Record {
         Record {
             name: measured.name.clone(),
             begin: measured.time(first),
+            since: measured.time(first) - measured.begin,
             interval: measured.interval,
             jitter: measured.jitter,
             drives: drives.iter().zip(holds).map(filled).collect(),
             outputs: outputs.iter().map(spread).collect(),
+        }
+    }
+
+    /// The same in so many pieces of equal length, none shorter than `least` samples.
+    pub(super) fn pieces(&self, count: usize, least: usize) -> Vec<Record> {
+        let length = self.len().div_ceil(count).max(least);
+        // What is left at the end goes with the last piece.
+        let count = (self.len() / length).max(1);
+        let ends = (1..=count).map(|piece| if piece == count { self.len() } else { piece * length });
+        ends.enumerate().map(|(piece, end)| self.piece(piece * length..end)).collect()
+    }
+
+    fn piece(&self, places: Range<usize>) -> Record {
+        let before = places.start as f64 * self.interval;
+        let own =
+            |columns: &[Vec<f64>]| columns.iter().map(|column| column[places.clone()].to_vec()).collect();
+        Record {
+            name: self.name.clone(),
+            begin: self.begin + before,
+            since: self.since + before,
+            drives: own(&self.drives),
+            outputs: own(&self.outputs),
+            ..*self
         }
     }
 
@@ -118,6 +144,16 @@ mod tests {
         same(&record.outputs[0], &[10.0, GONE, GONE, 40.0, 50.0]);
         let record = Record::cut(&measured(), 1..6, &[Hold::Previous]);
         same(&record.drives[0], &[1.0, 1.0, 1.0, 4.0, 5.0]);
+    }
+
+    #[test]
+    fn pieces_follow_one_another_and_keep_the_clock() {
+        let record = Record::cut(&measured(), 0..6, &[Hold::Linear]);
+        let pieces = record.pieces(3, 1);
+        assert_eq!(pieces.iter().map(|piece| piece.since).collect::<Vec<_>>(), [0.0, 1.0, 2.0]);
+        same(&pieces.iter().flat_map(|piece| piece.drives[0].clone()).collect::<Vec<_>>(), &record.drives[0]);
+        let lengths = |count, least| record.pieces(count, least).iter().map(Record::len).collect::<Vec<_>>();
+        assert_eq!((lengths(4, 1), lengths(4, 4), lengths(2, 9)), (vec![2, 2, 2], vec![6], vec![6]));
     }
 
     #[test]

@@ -132,8 +132,9 @@ impl Problem {
             let better = if bettered < MOST_BETTERED { self.better(&stage, &round)? } else { None };
             if let Some(better) = better {
                 bettered += 1;
-                if rounds.is_empty() {
-                    base = better.clone();
+                match rounds.last_mut() {
+                    Some(last) => last.trials[0].stage = better.clone(),
+                    None => base = better.clone(),
                 }
                 stage = better;
                 continue;

@@ -53,8 +53,8 @@ pub struct Sum {
     pub unit: Unit,
     /// The potentiometers on the way, as one setting.
     pub setting: Option<String>,
-    /// The jack at the end of the way, "x10".
-    pub jack: String,
+    /// The gain of the jack at the end of the way.
+    pub gain: f64,
     /// The element behind it on the way, and whether nothing else drives the integrator.
     pub total: Option<Total>,
 }
@@ -299,7 +299,7 @@ impl<'c> Wiring<'c> {
             unit: reading.unit.clone(),
             of: Some(reading),
             setting: (!way.settings.is_empty()).then(|| way.settings.join(" * ")),
-            jack: format!("x{gain}"),
+            gain,
             total: is_all.then_some(total),
         })
     }
@@ -318,7 +318,7 @@ impl<'c> Wiring<'c> {
             per_volt,
             unit: own.unit.per_second(),
             setting: None,
-            jack: "x10".to_owned(),
+            gain: 10.0,
             total: None,
         })
     }

@@ -27,6 +27,8 @@ pub struct Problem {
     pub offset: Vec<bool>,
     /// Records to fit.
     pub train: Vec<Record>,
+    /// The same cut into pieces, over which errors cannot grow far.
+    pub pieces: Vec<Record>,
     /// Records to confirm with.
     pub test: Vec<Record>,
     /// Steps of the solver from sample to sample, for the patch as it is.
@@ -55,7 +57,27 @@ pub struct Stage {
     pub train: Fitted,
     /// The same knobs on the other records: initial voltages are found there.
     pub test: Fitted,
+    /// Where the fit to the pieces came to; nothing where the gap is so small that it was not needed.
+    pub in_pieces: Option<Point>,
 }
+
+/// From where a stage is fitted.
+#[derive(Debug, Clone, Default)]
+struct From<'a> {
+    /// Points for the records whole.
+    starts: Vec<Point>,
+    /// Points for their pieces.
+    in_pieces: Vec<Point>,
+    /// The initial voltages of the records that are held back, as an earlier fit found them.
+    held: Option<&'a [Vec<f64>]>,
+}
+
+/// Into so many pieces a record is cut,
+const PIECES: usize = 16;
+/// none of them shorter than so many samples.
+const LEAST_PIECE: usize = 40;
+/// Where the gap is less than so many sigmas rms, fits find their way without pieces.
+const FAR: f64 = 5.0;
 
 /// The solver may err by this share of the noise, rms.
 const FINE: f64 = 0.1;
@@ -63,6 +85,8 @@ const FINE: f64 = 0.1;
 const MOST_STEPS: u32 = 64;
 /// So many of the points from which fits could begin are gone on from.
 const GONE_ON_FROM: usize = 4;
+/// The same of the pieces, where points lead less astray.
+const GONE_ON_FROM_IN_PIECES: usize = 3;
 
 /// Where a column shows no noise, this share of its range counts as such: what the digits of a recorder leave.
 const LEAST_NOISE: f64 = 1e-6;
@@ -85,6 +109,7 @@ impl Problem {
             sigma: sigma.collect(),
             offset: experiment.outputs.iter().map(|output| output.offset).collect(),
             train: experiment.train.clone(),
+            pieces: experiment.train.iter().flat_map(|record| record.pieces(PIECES, LEAST_PIECE)).collect(),
             test: experiment.test.clone(),
             steps: 1,
         };
@@ -129,22 +154,38 @@ impl Problem {
     ///
     /// # Errors
     /// When the patch cannot be run beside the records at all.
-    fn stage(
-        &self,
-        version: Version,
-        starts: &[Point],
-        wanted: f64,
-        held_from: Option<&[Vec<f64>]>,
-    ) -> Result<Option<Stage>, ModelError> {
+    fn stage(&self, version: Version, from: From<'_>, wanted: f64) -> Result<Option<Stage>, ModelError> {
+        let in_pieces = self.in_pieces(&version, &from.in_pieces)?;
         let model = self.model(&version, &self.train, &self.outputs)?;
         let task = Task { wanted, ..self.task(&model, &self.train, true) };
-        let looks = task.look(starts);
-        let mut order: Vec<usize> = (0..starts.len()).filter(|index| looks[*index].is_finite()).collect();
-        order.sort_by(|a, b| looks[*a].total_cmp(&looks[*b]));
-        let fits = order.iter().take(GONE_ON_FROM).filter_map(|index| task.fit(&starts[*index]));
+        let whole = in_pieces.as_ref().map(|point| self.joined_up(point));
+        let fits =
+            whole.iter().chain(task.nearest(&from.starts, GONE_ON_FROM)).filter_map(|start| task.fit(start));
         let Some(train) = fits.min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { return Ok(None) };
-        let test = self.held(&version, &train.point, held_from)?;
-        Ok(test.map(|test| Stage { version, train, test }))
+        let test = self.held(&version, &train.point, from.held)?;
+        Ok(test.map(|test| Stage { version, train, test, in_pieces }))
+    }
+
+    /// Fits a patch to the pieces: where it comes to from the best of several points.
+    fn in_pieces(&self, version: &Version, starts: &[Point]) -> Result<Option<Point>, ModelError> {
+        if starts.is_empty() {
+            return Ok(None);
+        }
+        let model = self.model(version, &self.pieces, &self.outputs)?;
+        let task = self.task(&model, &self.pieces, true);
+        let fits = task.nearest(starts, GONE_ON_FROM_IN_PIECES).filter_map(|start| task.fit(start));
+        Ok(fits.min_by(|a, b| a.chi2.total_cmp(&b.chi2)).map(|fitted| fitted.point))
+    }
+
+    /// A point of the pieces as one of the records whole.
+    fn joined_up(&self, point: &Point) -> Point {
+        let mut first = 0;
+        let initial = self.train.iter().map(|record| {
+            let own = point.initial[first].clone();
+            first += record.pieces(PIECES, LEAST_PIECE).len();
+            own
+        });
+        Point { initial: initial.collect(), ..point.clone() }
     }
 
     /// The same knobs on the records that are held back: only initial voltages are found there, from where the patch stands and from
@@ -178,7 +219,27 @@ impl Problem {
         let points: Vec<Point> = [first.clone()].into_iter().chain(scattered).collect();
         let settled = points.iter().filter_map(|point| settle.fit(point)).map(|fitted| fitted.point);
         let starts: Vec<Point> = settled.chain([first.clone()]).collect();
-        self.stage(version, &starts, f64::INFINITY, None)
+        let from = From { starts, ..From::default() };
+        let Some(stage) = self.stage(version, from, f64::INFINITY)? else { return Ok(None) };
+        if stage.train.chi2 < FAR * FAR * stage.train.count as f64 {
+            return Ok(Some(stage));
+        }
+        self.over_pieces(stage).map(Some)
+    }
+
+    /// A stage whose gap is large, fitted from its pieces on, too.
+    fn over_pieces(&self, stage: Stage) -> Result<Stage, ModelError> {
+        let model = self.model(&stage.version, &self.pieces, &self.outputs)?;
+        let first = Point { knobs: stage.train.point.knobs.clone(), ..Point::of(&model, self.outputs.len()) };
+        let settle = Task { turns: false, ..self.task(&model, &self.pieces, true) };
+        let Some(settled) = settle.fit(&first) else { return Ok(stage) };
+        let from = From {
+            starts: vec![stage.train.point.clone()],
+            in_pieces: vec![settled.point],
+            held: Some(&stage.test.point.initial),
+        };
+        let again = self.stage(stage.version.clone(), from, f64::INFINITY)?;
+        Ok(again.unwrap_or(stage))
     }
 
     /// The same patch fitted from where a trial with one more effect came to, if that is better.
@@ -197,8 +258,9 @@ impl Problem {
                 .collect(),
             offsets: other.offsets.clone(),
         };
-        let again =
-            self.stage(stage.version.clone(), &[start], f64::INFINITY, Some(&stage.test.point.initial))?;
+        let from = From { starts: vec![start], held: Some(&stage.test.point.initial), ..From::default() };
+        let again = self.stage(stage.version.clone(), from, f64::INFINITY)?;
+        let again = again.map(|again| Stage { in_pieces: stage.in_pieces.clone(), ..again });
         Ok(again.filter(|again| again.train.chi2 < BETTER * stage.train.chi2))
     }
 
@@ -211,26 +273,26 @@ impl Problem {
         let patch = circuit.patch();
         let names = patch.signals.keys().chain(patch.drives.keys()).cloned().collect::<Vec<_>>();
         let model = self.model(&stage.version, &self.train, &names)?;
-        let mut values = vec![0.0; names.len()];
+        let mut ends = vec![[f64::INFINITY, f64::NEG_INFINITY]; names.len()];
         for (record, initial) in stage.train.point.initial.iter().enumerate() {
             let choice = Choice { knobs: stage.train.point.knobs.clone(), initial: initial.clone() };
             let course = model.run(record, &[choice]).pop().flatten().unwrap_or_default();
-            for (value, track) in values.iter_mut().zip(&course) {
-                *value = track.iter().fold(*value, |most: f64, own| most.max(own.abs()));
+            for (ends, track) in ends.iter_mut().zip(&course) {
+                *ends = widened(*ends, track);
             }
         }
         // What was measured is known without a model.
         for (output, name) in self.outputs.iter().enumerate() {
             let Some(place) = names.iter().position(|own| own == name) else { continue };
-            let data = self.train.iter().flat_map(|record| &record.outputs[output]);
-            values[place] = data.filter(|own| !own.is_nan()).fold(0.0, |most: f64, own| most.max(own.abs()));
+            let data = self.train.iter().map(|record| &record.outputs[output]);
+            ends[place] = data.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, own| widened(ends, own));
         }
         let interval = self.train.iter().map(|record| record.interval).fold(f64::INFINITY, f64::min);
         let length =
             self.train.iter().map(|record| record.interval * record.len() as f64).fold(0.0, f64::max);
         let left = stage.train.residuals.iter().flatten();
         let spectrum = left.flat_map(|track| peaks(track, interval, FREQUENCIES)).collect();
-        Ok(Peaks { names, values, interval, length, spectrum })
+        Ok(Peaks { names, ends, interval, length, spectrum })
     }
 
     /// Wires one more effect into a stage, and fits everything anew; nothing where the effect does not fit.
@@ -248,35 +310,41 @@ impl Problem {
         else {
             return Ok(None);
         };
-        let (own, before) = (&candidate.graft, &stage.train.point);
-        let brought = own.parameters.iter().map(|parameter| parameter.name.clone());
+        let graft = &candidate.graft;
+        let brought = graft.parameters.iter().map(|parameter| parameter.name.clone());
         let version = Version {
-            patch: own.patch.clone(),
+            patch: graft.patch.clone(),
             fit: stage.version.fit.iter().cloned().chain(brought).collect(),
-            free: stage.version.free.iter().chain(&own.free).cloned().collect(),
+            free: stage.version.free.iter().chain(&graft.free).cloned().collect(),
             steps: stage.version.steps.max(candidate.steps(peaks.interval)),
         };
-        let with = |start: &Vec<f64>| Point {
-            knobs: [before.knobs.as_slice(), start].concat(),
-            initial: before
-                .initial
-                .iter()
-                .map(|initial| [initial.as_slice(), &vec![0.0; own.free.len()]].concat())
-                .collect(),
-            offsets: before.offsets.clone(),
+        let begun = |before: &Point| {
+            let with = |start: &Vec<f64>| Point {
+                knobs: [before.knobs.as_slice(), start].concat(),
+                initial: before
+                    .initial
+                    .iter()
+                    .map(|own| [own.as_slice(), &vec![0.0; graft.free.len()]].concat())
+                    .collect(),
+                offsets: before.offsets.clone(),
+            };
+            candidate.starts.iter().map(with).collect::<Vec<_>>()
         };
-        let starts: Vec<Point> = candidate.starts.iter().map(with).collect();
-        Ok(self
-            .stage(version, &starts, stage.train.chi2, Some(&stage.test.point.initial))?
-            .map(|stage| (candidate, stage)))
+        let from = From {
+            starts: begun(&stage.train.point),
+            in_pieces: stage.in_pieces.as_ref().map(begun).unwrap_or_default(),
+            held: Some(&stage.test.point.initial),
+        };
+        Ok(self.stage(version, from, stage.train.chi2)?.map(|stage| (candidate, stage)))
     }
 }
 
-/// The largest values of signals and drives, without sign, in their units.
+/// The least and the largest values of signals and drives, in their units.
 #[derive(Debug, Clone)]
 pub struct Peaks {
     names: Vec<String>,
-    values: Vec<f64>,
+    /// Least and largest value.
+    ends: Vec<[f64; 2]>,
     interval: f64,
     length: f64,
     /// The frequencies of which what is left is full, in Hz.
@@ -299,26 +367,35 @@ fn scattered(model: &Model, seed: u64) -> Vec<Vec<f64>> {
 const FREQUENCIES: usize = 3;
 
 impl Peaks {
-    fn of(&self, name: &str) -> Option<f64> {
+    fn of(&self, name: &str) -> Option<[f64; 2]> {
         let place = self.names.iter().position(|own| own == name)?;
-        Some(self.values[place])
+        Some(self.ends[place])
     }
 
     /// What the reaches of effects name at a place.
     fn at(&self, place: &Place<'_>) -> Vec<Largest> {
-        let value = |role: Role<'_>| match role {
+        let ends = |role: Role<'_>| match role {
             Role::Read(reading) => self.of(&reading.signal),
             // As fast as would cross its range in a twentieth of the record.
-            Role::Rate(junction) => self.of(&junction.own.signal).map(|own| 20.0 * own / self.length),
+            Role::Rate(junction) => {
+                self.of(&junction.own.signal).map(|own| own.map(|end| 20.0 * end / self.length))
+            }
         };
-        let roles = place.roles().into_iter().filter_map(|(name, role)| {
-            Some(Largest { name, unit: role.unit().clone(), value: value(role)? })
-        });
+        let roles = place
+            .roles()
+            .into_iter()
+            .filter_map(|(name, role)| Some(Largest::of(name, role.unit().clone(), ends(role)?)));
         let times = [("sample", self.interval), ("record", self.length)].into_iter();
         let times =
-            times.filter_map(|(name, value)| Some(Largest { name, unit: Unit::parse("s").ok()?, value }));
+            times.filter_map(|(name, value)| Some(Largest::of(name, Unit::parse("s").ok()?, [0.0, value])));
         roles.chain(times).collect()
     }
+}
+
+/// Two ends, moved out so far that a track lies between them.
+fn widened(ends: [f64; 2], track: &[f64]) -> [f64; 2] {
+    let there = track.iter().filter(|value| !value.is_nan());
+    there.fold(ends, |[least, most], value| [least.min(*value), most.max(*value)])
 }
 
 /// The noise of an output in a record.

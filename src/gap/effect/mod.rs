@@ -57,6 +57,16 @@ pub enum Start {
     Values(Vec<f64>),
     /// From the frequencies of which the recovered force is full.
     Spectrum,
+    /// From just below the highest value of what the reach names.
+    Highest,
+    /// From just above its lowest value, counted downward.
+    Lowest,
+}
+
+impl Start {
+    /// The words for those that data tell.
+    pub const WORDS: [(&str, Start); 3] =
+        [("spectrum", Start::Spectrum), ("highest", Start::Highest), ("lowest", Start::Lowest)];
 }
 
 /// A way to wire an effect.
@@ -72,6 +82,8 @@ pub struct Form {
     pub reads: Vec<Reads>,
     /// What its elements are wired to.
     pub gives: Vec<(Gives, String)>,
+    /// So many volts of the sum stand for a volt that it gives: forces far above all others would leave the range of the machine.
+    pub times: f64,
     /// Powers of ten that keep its potentiometers within 0 ... 1, by name: at least what the formula comes to.
     pub gains: IndexMap<String, Formula>,
     /// Its drives, as in a patch.

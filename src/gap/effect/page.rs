@@ -36,6 +36,8 @@ impl Page {
             let start = match &own.start {
                 Start::Values(values) => values.iter().map(f64::to_string).collect::<Vec<_>>().join(", "),
                 Start::Spectrum => "what the force is full of".to_owned(),
+                Start::Highest => "the highest value".to_owned(),
+                Start::Lowest => "the lowest value".to_owned(),
             };
             let range = format!("{} ... {}", own.range[0], own.range[1]);
             [name.clone(), own.reach.text().to_owned(), range, start, own.description.clone()]

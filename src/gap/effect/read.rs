@@ -71,7 +71,10 @@ fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<EffectP
     let reach = reach.and_then(|node| formula_at(node, "reach", findings));
     let range = fields.need("range", "the least and the largest value searched, in reaches");
     let range = range.and_then(|node| pair(node, "range", findings));
-    let start = fields.need("start", "the values from which fits begin, in reaches, or \"spectrum\"");
+    let start = fields.need(
+        "start",
+        "the values from which fits begin, in reaches, or \"spectrum\", \"highest\", \"lowest\"",
+    );
     let start = start.and_then(|node| start_of(node, findings));
     let none = fields.take("none").and_then(|node| none_of(node, range, findings));
     let description = fields.text("description", findings);
@@ -103,8 +106,11 @@ fn none_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Opt
 }
 
 fn start_of(node: &Node, findings: &mut Findings) -> Option<Start> {
-    if matches!(&node.value, Content::Text(text) if text == "spectrum") {
-        return Some(Start::Spectrum);
+    if let Content::Text(text) = &node.value {
+        let known = Start::WORDS.iter().find(|(word, _)| word == text).map(|(_, start)| start.clone());
+        if known.is_some() {
+            return known;
+        }
     }
     let values = list(node, "start", findings)?.iter().map(|node| number(node, "start", findings));
     Some(Start::Values(values.collect::<Option<Vec<_>>>()?))
@@ -126,6 +132,7 @@ fn form(node: &Node, parameters: &[&str], findings: &mut Findings) -> Option<For
         let element = word(&entry.value, &entry.key, findings);
         gives.extend(role.zip(element).map(|(role, element)| (role, element.value)));
     });
+    let times = fields.take("times").and_then(|node| number(node, "times", findings)).unwrap_or(1.0);
     let mut gains = IndexMap::new();
     fields.each("gains", findings, |entry, findings| {
         let read = formula_at(&entry.value, &entry.key, findings);
@@ -142,7 +149,7 @@ fn form(node: &Node, parameters: &[&str], findings: &mut Findings) -> Option<For
         findings.push(Diagnostic::at(Code::MissingKey, opening(node), message));
     }
     let free = free.into_iter().map(|name| name.value).collect();
-    Some(Form { note, at: at?, signal, reads, gives, gains, drives, elements, free, parameters })
+    Some(Form { note, at: at?, signal, reads, gives, times, gains, drives, elements, free, parameters })
 }
 
 /// The parameters of the effect that a form names.
