@@ -30,6 +30,7 @@ pub mod circuit;
 pub mod elements;
 pub mod gap;
 mod grid;
+mod html;
 pub mod instruments;
 mod kernel;
 pub mod linear;

@@ -12,6 +12,8 @@ use super::files::{prepare, put};
 use super::progress::Bar;
 use super::{effects, gap_check, gap_report, say, say_json};
 use patchcord::gap::Experiment;
+use patchcord::gap::effect::Library;
+use patchcord::gap::page::{self, Told};
 use patchcord::gap::search::{Means, Outcome};
 use patchcord::gap::stage::Problem;
 
@@ -22,7 +24,7 @@ pub(super) struct Arguments {
     /// Only check the data: sampling, gaps, noise, steps of the recorder, how fast columns move
     #[arg(long, conflicts_with_all = ["out", "effects", "seed", "threads"])]
     check: bool,
-    /// Write the patch with what was missing (augmented.json) and the report (report.json) into this folder
+    /// Write the patch with what was missing (augmented.json) and the report (report.html, report.json) into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Take the effects of this folder as well: every .json file in it
@@ -42,6 +44,7 @@ pub(super) struct Arguments {
 /// The files that a search leaves.
 const AUGMENTED: &str = "augmented.json";
 const REPORT: &str = "report.json";
+const PAGE: &str = "report.html";
 
 pub(super) fn gap(arguments: &Arguments) -> Result<(), Failure> {
     carried_out(arguments).map_err(|failure| failure.told_as_json(arguments.json))
@@ -56,15 +59,18 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
             false => say(&gap_check::told(&experiment)),
         };
     }
-    let paths = arguments.out.as_ref().map(|folder| [AUGMENTED, REPORT].map(|file| folder.join(file)));
+    let paths = arguments.out.as_ref().map(|folder| [AUGMENTED, REPORT, PAGE].map(|file| folder.join(file)));
     prepare(arguments.out.as_deref(), paths.iter().flatten())?;
-    let (problem, outcome) = searched(arguments, &experiment)?;
+    let library = effects::known(arguments.effects.as_deref())?;
+    let (problem, outcome) = searched(arguments, &experiment, &library)?;
     let mut document = outcome.document(&problem);
-    if let Some([augmented, report]) = &paths {
+    if let Some([augmented, report, page]) = &paths {
         let patch = outcome.patch(AUGMENTED).map_err(|error| Failure::data(error.to_string()))?;
         put(augmented, patch.text().as_bytes())?;
         document["patch"] = Value::from(augmented.display().to_string());
         put(report, format!("{document:#}\n").as_bytes())?;
+        let told = Told { experiment: &experiment, problem: &problem, outcome: &outcome, library: &library };
+        put(page, page::page(&told).map_err(|error| Failure::data(error.to_string()))?.as_bytes())?;
     }
     if arguments.json {
         return say_json(&document);
@@ -73,14 +79,13 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
     say(&format!("{}{}", gap_report::told(&experiment, &problem, &outcome), wrote.collect::<String>()))
 }
 
-fn searched(arguments: &Arguments, experiment: &Experiment) -> Result<(Problem, Outcome), Failure> {
-    let library = effects::known(arguments.effects.as_deref())?;
+fn searched(
+    arguments: &Arguments,
+    experiment: &Experiment,
+    library: &Library,
+) -> Result<(Problem, Outcome), Failure> {
     let cores = thread::available_parallelism().map_or(1, usize::from);
-    let with = Means {
-        library: &library,
-        threads: arguments.threads.map_or(cores, usize::from),
-        seed: arguments.seed,
-    };
+    let with = Means { library, threads: arguments.threads.map_or(cores, usize::from), seed: arguments.seed };
     let failed = |error: patchcord::gap::model::ModelError| Failure::data(error.to_string());
     let problem = Problem::of(experiment).map_err(failed)?;
     let mut bar = Bar::new("effects tried");

@@ -3,7 +3,7 @@
 use super::table::Table;
 use patchcord::gap::Experiment;
 use patchcord::gap::report::error;
-use patchcord::gap::search::{Outcome, Round, Trial, Verdict};
+use patchcord::gap::search::{Outcome, Round};
 use patchcord::gap::stage::{Problem, Stage};
 use patchcord::instruments::Display;
 
@@ -11,34 +11,13 @@ use patchcord::instruments::Display;
 const TOLD: usize = 8;
 
 pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome) -> String {
-    let mut text = format!("{}: {}\n", experiment.file, sentence(outcome));
+    let mut text = format!("{}: {}\n", experiment.file, outcome.sentence());
     text += &format!("\n{}", parameters(outcome.told()).text());
     text += &format!("\n{}", gaps(problem, outcome).text());
     for (number, round) in outcome.rounds.iter().enumerate() {
         text += &format!("\n{}\n\n{}", heading(number + 1, round), trials(round).text());
     }
     text
-}
-
-fn named(trial: &Trial) -> String {
-    format!("{} at {}", trial.candidate.effect, trial.candidate.junction)
-}
-
-/// The verdict.
-fn sentence(outcome: &Outcome) -> String {
-    let taken = outcome.rounds.iter().filter(|round| round.taken);
-    let told = |round: &Round| {
-        let rivals = round.trials.iter().take(1).chain(round.rivals());
-        rivals.map(named).collect::<Vec<_>>().join(" or ")
-    };
-    let effects = taken.map(told).collect::<Vec<_>>().join(", and ");
-    match outcome.verdict {
-        Verdict::Named => format!("{effects} is missing"),
-        Verdict::Ambiguous => format!("{effects} is missing: these data cannot tell"),
-        Verdict::NothingMissing => "nothing is missing that these data would show".to_owned(),
-        Verdict::UnknownEffect => "something is missing that the library does not have".to_owned(),
-        Verdict::CannotJudge => "these data cannot judge".to_owned(),
-    }
 }
 
 fn parameters(stage: &Stage) -> Table {

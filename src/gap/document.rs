@@ -17,6 +17,8 @@ pub(super) struct Document {
     pub fit: Option<Vec<Placed<String>>>,
     pub train: Option<Placed<(f64, f64)>>,
     pub test: Held,
+    /// After how long runs begin anew, in the unit of the times.
+    pub pieces: Option<Placed<f64>>,
 }
 
 /// A file of measured data, or a part of it.
@@ -140,8 +142,9 @@ pub(super) fn document(root: &Node, findings: &mut Findings) -> Option<Document>
     let fit = fields.take("fit").map(|node| words(node, "fit", all));
     let train = fields.take("train").and_then(|node| times(node, "train", all));
     let test = fields.take("test").and_then(|node| held(node, all)).unwrap_or(Held::Rest);
+    let pieces = positive(&mut fields, "pieces", all);
     fields.finish(all);
-    Some(Document { title, patch, data, clock, drives, outputs, fit, train, test })
+    Some(Document { title, patch, data, clock, drives, outputs, fit, train, test, pieces })
 }
 
 /// One record or a list of them.

@@ -32,6 +32,8 @@ pub struct Experiment {
     pub train: Vec<Record>,
     /// What is held back.
     pub test: Vec<Record>,
+    /// After so many seconds runs begin anew, where the experiment asks for that.
+    pub pieces: Option<f64>,
     /// What the reader should know although the experiment can be worked with.
     pub warnings: Report,
 }

@@ -17,6 +17,7 @@ pub mod graft;
 mod measured;
 pub mod model;
 mod motion;
+pub mod page;
 mod parts;
 pub mod reach;
 mod record;

@@ -63,6 +63,12 @@ impl Record {
         ends.enumerate().map(|(piece, end)| self.piece(piece * length..end)).collect()
     }
 
+    /// The same in pieces of so many seconds.
+    pub(super) fn pieces_of(&self, seconds: f64) -> Vec<Record> {
+        let count = (self.duration() / seconds).round().max(1.0);
+        self.pieces(count as usize, 1)
+    }
+
     fn piece(&self, places: Range<usize>) -> Record {
         let before = places.start as f64 * self.interval;
         let own =

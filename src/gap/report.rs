@@ -42,6 +42,23 @@ impl Outcome {
         version.patch.edited(file, &edits)
     }
 
+    /// The verdict in words.
+    pub fn sentence(&self) -> String {
+        let taken = self.rounds.iter().filter(|round| round.taken);
+        let told = |round: &Round| {
+            let rivals = round.trials.iter().take(1).chain(round.rivals());
+            rivals.map(Trial::named).collect::<Vec<_>>().join(" or ")
+        };
+        let effects = taken.map(told).collect::<Vec<_>>().join(", and ");
+        match self.verdict {
+            Verdict::Named => format!("{effects} is missing"),
+            Verdict::Ambiguous => format!("{effects} is missing: these data cannot tell"),
+            Verdict::NothingMissing => "nothing is missing that these data would show".to_owned(),
+            Verdict::UnknownEffect => "something is missing that the library does not have".to_owned(),
+            Verdict::CannotJudge => "these data cannot judge".to_owned(),
+        }
+    }
+
     /// The report as a JSON document.
     pub fn document(&self, problem: &Problem) -> Value {
         let taken: Vec<&Round> = self.rounds.iter().filter(|round| round.taken).collect();
@@ -70,6 +87,13 @@ impl Round {
     /// The trials that the data cannot tell from the best.
     pub fn rivals(&self) -> impl Iterator<Item = &Trial> {
         self.trials.iter().skip(1).filter(|trial| self.is_tied(trial)).take(1)
+    }
+}
+
+impl Trial {
+    /// The effect and where it acts.
+    pub fn named(&self) -> String {
+        format!("{} at {}", self.candidate.effect, self.candidate.junction)
     }
 }
 

@@ -66,14 +66,14 @@ impl Advantage {
     }
 }
 
-/// So many blocks a track is cut into.
+/// So many blocks the records are cut into, together.
 const BLOCKS: usize = 20;
 
 /// The squares of one fit less those of another, over the same data.
 pub fn advantage(worse: &Fitted, better: &Fitted) -> Advantage {
     let mut blocks = Vec::new();
     for (before, after) in worse.residuals.iter().flatten().zip(better.residuals.iter().flatten()) {
-        let length = before.len().div_ceil(BLOCKS).max(1);
+        let length = before.len().div_ceil(BLOCKS.div_ceil(worse.residuals.len())).max(1);
         for (before, after) in before.chunks(length).zip(after.chunks(length)) {
             let pairs = before.iter().zip(after).filter(|(a, b)| !a.is_nan() && !b.is_nan());
             blocks.push(pairs.map(|(a, b)| a * a - b * b).sum::<f64>());

@@ -31,6 +31,8 @@ pub struct Problem {
     pub pieces: Vec<Record>,
     /// Records to confirm with.
     pub test: Vec<Record>,
+    /// Whether the records are pieces already, as the experiment asks.
+    pub is_cut: bool,
     /// Steps of the solver from sample to sample, for the patch as it is.
     pub steps: u32,
 }
@@ -97,6 +99,10 @@ impl Problem {
     /// # Errors
     /// When the patch cannot be run beside the records.
     pub fn of(experiment: &Experiment) -> Result<Problem, ModelError> {
+        let cut = |records: &[Record]| match experiment.pieces {
+            Some(seconds) => records.iter().flat_map(|record| record.pieces_of(seconds)).collect(),
+            None => records.to_vec(),
+        };
         let sigma = experiment.outputs.iter().enumerate().map(|(place, output)| {
             output.sigma.unwrap_or_else(|| {
                 let estimates = experiment.train.iter().map(|record| noise(record, place));
@@ -108,9 +114,10 @@ impl Problem {
             outputs: experiment.outputs.iter().map(|output| output.signal.clone()).collect(),
             sigma: sigma.collect(),
             offset: experiment.outputs.iter().map(|output| output.offset).collect(),
-            train: experiment.train.clone(),
+            train: cut(&experiment.train),
             pieces: experiment.train.iter().flat_map(|record| record.pieces(PIECES, LEAST_PIECE)).collect(),
-            test: experiment.test.clone(),
+            test: cut(&experiment.test),
+            is_cut: experiment.pieces.is_some(),
             steps: 1,
         };
         problem.steps = problem.fine_enough(&experiment.patch, &experiment.fit)?;
@@ -221,7 +228,7 @@ impl Problem {
         let starts: Vec<Point> = settled.chain([first.clone()]).collect();
         let from = From { starts, ..From::default() };
         let Some(stage) = self.stage(version, from, f64::INFINITY)? else { return Ok(None) };
-        if stage.train.chi2 < FAR * FAR * stage.train.count as f64 {
+        if self.is_cut || stage.train.chi2 < FAR * FAR * stage.train.count as f64 {
             return Ok(Some(stage));
         }
         self.over_pieces(stage).map(Some)

@@ -72,7 +72,9 @@ impl<'a> Bringing<'a> {
         let drives: Vec<_> = document.drives.iter().map(|drive| self.feed(drive, found)).collect();
         let outputs: Vec<_> = document.outputs.iter().map(|output| self.output(output, found)).collect();
         // Data are looked at even where the patch is wrong.
-        let [train, test] = self.records(&drives, &outputs);
+        let ([train, test], seconds) = self.records(&drives, &outputs);
+        let pieces = document.pieces.as_ref().map(|pieces| pieces.value * seconds);
+        self.check_pieces(pieces, &train, &test);
         let subject = subject?;
         let fed = |name: &str| document.drives.iter().any(|drive| drive.wire.name.value == name);
         let fit = to_fit(subject.patch(), &fed, document.fit.as_deref(), self.findings);
@@ -85,6 +87,7 @@ impl<'a> Bringing<'a> {
             fit,
             train,
             test,
+            pieces,
             warnings: Report::new("", "", Vec::new()),
         };
         if !any_error(self.findings) {
@@ -93,8 +96,8 @@ impl<'a> Bringing<'a> {
         Ok(made)
     }
 
-    /// What is trained on, and what is tested on.
-    fn records(&mut self, drives: &[Option<Feed>], outputs: &[Option<Output>]) -> [Vec<Record>; 2] {
+    /// What is trained on, and what is tested on; and how many seconds the unit of their times has.
+    fn records(&mut self, drives: &[Option<Feed>], outputs: &[Option<Output>]) -> ([Vec<Record>; 2], f64) {
         let document = self.document;
         let of_drives = drives.iter().map(|feed| feed.as_ref().map(|feed| &feed.unit));
         let of_outputs = outputs.iter().map(|output| output.as_ref().map(|output| &output.unit));
@@ -106,10 +109,22 @@ impl<'a> Bringing<'a> {
         };
         let holds: Vec<Hold> = document.drives.iter().map(|drive| drive.hold).collect();
         let taken = self.parts(&trained, &tested);
-        [Use::Train, Use::Test].map(|used| {
+        let records = [Use::Train, Use::Test].map(|used| {
             let of_use = taken.iter().filter(|taken| taken.part.used == used);
             of_use.map(|taken| Record::cut(&taken.read.measured, taken.part.places.clone(), &holds)).collect()
-        })
+        });
+        (records, trained.first().map_or(1.0, |read| read.seconds))
+    }
+
+    /// A piece needs as many samples as a record does.
+    fn check_pieces(&mut self, pieces: Option<f64>, train: &[Record], test: &[Record]) {
+        let Some((asked, seconds)) = self.document.pieces.as_ref().zip(pieces) else { return };
+        let least = |record: &Record| record.interval * LEAST_SAMPLES as f64;
+        if let Some(record) = train.iter().chain(test).find(|record| seconds < least(record)) {
+            let message = format!("a piece of {} has fewer than {LEAST_SAMPLES} samples", record.name);
+            let hint = format!("they are taken every {} s", told(record.interval));
+            self.findings.push(Diagnostic::at(Code::TooFewSamples, asked.span, message).hint(hint));
+        }
     }
 
     fn feed(&mut self, drive: &DriveWire, subject: Option<&Subject>) -> Option<Feed> {

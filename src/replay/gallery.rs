@@ -6,6 +6,7 @@ use super::examined::Examined;
 use super::figures::{Drawn, Figure};
 use super::page::cells_of_tables;
 use super::table::Table;
+use crate::html::{self, escaped};
 use crate::patch::Patch;
 
 /// A figure as it is shown.
@@ -41,20 +42,16 @@ pub fn gallery(exhibits: &[Exhibit<'_>], claims: &[Examined]) -> String {
     let shown = |row: &&Examined| exhibits.iter().any(|exhibit| exhibit.figure.bears_on(&row.claim));
     let rest: Vec<_> = claims.iter().filter(|row| !shown(row)).collect();
     let (contents, tally) = (contents(exhibits), tally(claims));
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>The study, replayed</title>\n\
-         <style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>The study, replayed</h1>\n\
+    let body = format!(
+        "<header>\n<h1>The study, replayed</h1>\n\
          <p>Figures of the study, drawn again from patches that were run and from its theory, each beside what the text \
          claims of it and what we get: {} of them. A patch named under a picture lies beside this page, with the command that \
-         makes the same run.</p>\n{tally}</header>\n{contents}<main>\n{sections}{}</main>\n</body>\n</html>\n",
+         makes the same run.</p>\n{tally}</header>\n{contents}<main>\n{sections}{}</main>\n",
         exhibits.len(),
         others(&rest),
-    )
+    );
+    html::page("The study, replayed", &body)
 }
-
-/// How the page looks: pictures at the left, claims at the right; below each other where there is no room.
-const STYLE: &str = include_str!("gallery.css");
 
 fn contents(exhibits: &[Exhibit<'_>]) -> String {
     let chapters = exhibits.chunk_by(|one, next| one.figure.chapter() == next.figure.chapter());
@@ -193,18 +190,4 @@ fn tally(claims: &[Examined]) -> String {
         boxes.collect::<String>(),
         escaped(&cells_of_tables(claims))
     )
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn texts_cannot_become_tags() {
-        assert_eq!(escaped("a < b & \"c\" > d"), "a &lt; b &amp; &quot;c&quot; &gt; d");
-    }
 }
