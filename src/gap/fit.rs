@@ -21,6 +21,8 @@ pub struct Task<'a> {
     pub turns: bool,
     /// A fit that will not bring the sum of squares below this is given up.
     pub wanted: f64,
+    /// So often the derivatives are worked out at most.
+    pub most_rounds: usize,
 }
 
 /// A point from which a fit begins, or at which it ends.
@@ -53,8 +55,8 @@ pub struct Fitted {
     pub rounds: usize,
 }
 
-/// So often the derivatives are worked out at most.
-const MOST_ROUNDS: usize = 40;
+/// So often the derivatives are worked out at most, unless a task says otherwise.
+pub const MOST_ROUNDS: usize = 40;
 /// So many dampings are tried for a step at most.
 const MOST_TRIED: usize = 16;
 /// So often they are worked out before a fit may be given up.
@@ -96,7 +98,7 @@ impl Task<'_> {
         let normal = loop {
             let normal = self.normal(&at, courses.as_ref()?);
             rounds += 1;
-            if rounds > MOST_ROUNDS {
+            if rounds > self.most_rounds {
                 break normal;
             }
             let Some((next, reached, lower, used)) = self.step(&at, chi2, &normal, damping) else {
@@ -113,7 +115,8 @@ impl Task<'_> {
 
     /// Whether a fit that goes on as in its last round will not come to what is wanted.
     fn is_hopeless(&self, chi2: f64, gain: f64, rounds: usize) -> bool {
-        rounds >= FIRST_ROUNDS && chi2 - gain * (MOST_ROUNDS - rounds) as f64 > self.wanted
+        let left = self.most_rounds.saturating_sub(rounds);
+        rounds >= FIRST_ROUNDS && chi2 - gain * left as f64 > self.wanted
     }
 
     /// So many of several points, those with the least sums of squares first.

@@ -96,7 +96,7 @@ fn table(headings: &[&str], rows: impl Iterator<Item = (bool, Vec<String>)>) -> 
         let class = if is_first { " class=\"first\"" } else { "" };
         format!("<tr{class}>{}</tr>\n", cells.iter().map(cell).collect::<String>())
     };
-    format!("<table>\n<tr>{head}</tr>\n{}</table>\n", rows.map(row).collect::<String>())
+    format!("<table class=\"narrow\">\n<tr>{head}</tr>\n{}</table>\n", rows.map(row).collect::<String>())
 }
 
 fn measured(told: &Told<'_>) -> String {
@@ -280,7 +280,7 @@ fn drawn(title: String, (label, unit): (&str, &str), channels: Vec<Channel>) -> 
 /// What a round came to.
 fn judged(round: &Round, best: &Trial) -> String {
     let held = format!(
-        "on the data held back it is better by {} squares of the noise, with a standard error of {}",
+        "on the data held back it lowers the sum of squares, in those of the noise, by {} ± {}",
         number(round.confirmed.sum),
         number(round.confirmed.error)
     );
@@ -328,7 +328,10 @@ fn end(told: &Told<'_>) -> Result<String, PlotError> {
     );
     if matches!(told.outcome.verdict, Verdict::Named | Verdict::Ambiguous) {
         text += &parameters(last);
-        text += &told.pictures(&[("before", base), ("after", last)])?;
+        // After one round the same pictures stand there.
+        if told.outcome.rounds.iter().filter(|round| round.taken).count() > 1 {
+            text += &told.pictures(&[("before", base), ("after", last)])?;
+        }
         text += "<p>The patch with what was missing is <a href=\"augmented.json\">augmented.json</a>: \
                  <code>patchcord run augmented.json</code> runs it, <code>patchcord draw augmented.json</code> draws it.</p>\n";
     }

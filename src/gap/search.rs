@@ -7,7 +7,7 @@ use super::graft::Attached;
 use super::model::ModelError;
 use super::score::{Advantage, advantage, colour, memory};
 use super::site::Sites;
-use super::stage::{Problem, Stage};
+use super::stage::{Effort, Problem, Stage};
 use crate::circuit::Circuit;
 use crate::patch::Patch;
 use crate::pool;
@@ -98,6 +98,8 @@ pub struct Means<'a> {
 const LOOKED_AT: usize = 3;
 /// So often a round is made again because the patch before it could be fitted better.
 const MOST_BETTERED: usize = 3;
+/// So many trials are gone through with, those that a quick look finds best.
+const TRIED_FULLY: usize = 12;
 /// How many effects are looked for at most.
 const MOST_EFFECTS: usize = 3;
 /// What is held back must be explained better by so many standard errors.
@@ -208,7 +210,9 @@ impl Problem {
                 return Ok(None);
             };
             let peaks = self.peaks(&stage)?;
-            let Some((_, next)) = self.attempt(&stage, &attached, &peaks)? else { return Ok(None) };
+            let Some((_, next)) = self.attempt(&stage, &attached, &peaks, Effort::FULL)? else {
+                return Ok(None);
+            };
             stage = next;
         }
         Ok(Some(stage))
@@ -253,11 +257,36 @@ impl Problem {
         let peaks = self.peaks(stage)?;
         let all: Vec<Attached<'_>> =
             with.library.iter().flat_map(|effect| Attached::all(effect, &sites)).collect();
-        let count = all.len() as u64;
-        let attempt = |attached: &Attached<'_>| self.attempt(stage, attached, &peaks).ok().flatten();
-        let tried = pool::each(&all, with.threads, attempt, |done| progress(done, count));
+        let (quick, full) = (all.len(), all.len().min(TRIED_FULLY));
+        let count = (quick + full) as u64;
+        let attempt =
+            |attached: &Attached<'_>, effort| self.attempt(stage, attached, &peaks, effort).ok().flatten();
+        let mut tried =
+            pool::each(&all, with.threads, |own| attempt(own, Effort::QUICK), |done| progress(done, count));
+        let mut order: Vec<usize> = (0..quick).filter(|place| tried[*place].is_some()).collect();
+        let chi2 =
+            |place: &usize| tried[*place].as_ref().map_or(f64::INFINITY, |(_, stage)| stage.train.chi2);
+        order.sort_by(|a, b| chi2(a).total_cmp(&chi2(b)));
+        order.truncate(full);
+        let again = pool::each(
+            &order,
+            with.threads,
+            |place| attempt(&all[*place], Effort::FULL),
+            |done| progress(quick as u64 + done, count),
+        );
+        for (place, again) in order.into_iter().zip(again) {
+            tried[place] = better_of(tried[place].take(), again);
+        }
         Ok(Round::of(stage, tried.into_iter().flatten().collect()))
     }
+}
+
+/// The one of two trials that left less.
+fn better_of(
+    one: Option<(Candidate, Stage)>,
+    other: Option<(Candidate, Stage)>,
+) -> Option<(Candidate, Stage)> {
+    one.into_iter().chain(other).min_by(|(_, a), (_, b)| a.train.chi2.total_cmp(&b.train.chi2))
 }
 
 impl Round {

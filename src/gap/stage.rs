@@ -6,7 +6,7 @@ use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use super::candidate::Candidate;
 use super::examine::{examine, peaks};
 use super::experiment::{Experiment, Feed};
-use super::fit::{Fitted, Point, Task};
+use super::fit::{Fitted, MOST_ROUNDS, Point, Task};
 use super::graft::{Attached, Place, Role};
 use super::model::{Choice, Model, ModelError};
 use super::reach::Largest;
@@ -63,8 +63,24 @@ pub struct Stage {
     pub in_pieces: Option<Point>,
 }
 
+/// How much is done to fit a stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effort {
+    /// So many of the points from which fits could begin are gone on from,
+    starts: usize,
+    /// and so often the derivatives are worked out for each.
+    rounds: usize,
+}
+
+impl Effort {
+    /// Enough to see whether more is worth while.
+    pub const QUICK: Effort = Effort { starts: 1, rounds: 5 };
+    /// Enough to be held against others.
+    pub const FULL: Effort = Effort { starts: 4, rounds: MOST_ROUNDS };
+}
+
 /// From where a stage is fitted.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 struct From<'a> {
     /// Points for the records whole.
     starts: Vec<Point>,
@@ -72,6 +88,13 @@ struct From<'a> {
     in_pieces: Vec<Point>,
     /// The initial voltages of the records that are held back, as an earlier fit found them.
     held: Option<&'a [Vec<f64>]>,
+    effort: Effort,
+}
+
+impl From<'_> {
+    fn starts(starts: Vec<Point>) -> Self {
+        From { starts, in_pieces: Vec::new(), held: None, effort: Effort::FULL }
+    }
 }
 
 /// Into so many pieces a record is cut,
@@ -85,10 +108,6 @@ const FAR: f64 = 5.0;
 const FINE: f64 = 0.1;
 /// No sample takes more steps than this.
 const MOST_STEPS: u32 = 64;
-/// So many of the points from which fits could begin are gone on from.
-const GONE_ON_FROM: usize = 4;
-/// The same of the pieces, where points lead less astray.
-const GONE_ON_FROM_IN_PIECES: usize = 3;
 
 /// Where a column shows no noise, this share of its range counts as such: what the digits of a recorder leave.
 const LEAST_NOISE: f64 = 1e-6;
@@ -153,7 +172,8 @@ impl Problem {
     }
 
     fn task<'a>(&'a self, model: &'a Model, records: &'a [Record], turns: bool) -> Task<'a> {
-        Task { model, records, sigma: &self.sigma, offset: &self.offset, turns, wanted: f64::INFINITY }
+        let (sigma, offset) = (&self.sigma, &self.offset);
+        Task { model, records, sigma, offset, turns, wanted: f64::INFINITY, most_rounds: MOST_ROUNDS }
     }
 
     /// Fits a patch from several points on, so that the sum of squares comes below what is wanted; nothing where it can be run
@@ -162,25 +182,33 @@ impl Problem {
     /// # Errors
     /// When the patch cannot be run beside the records at all.
     fn stage(&self, version: Version, from: From<'_>, wanted: f64) -> Result<Option<Stage>, ModelError> {
-        let in_pieces = self.in_pieces(&version, &from.in_pieces)?;
+        let in_pieces = self.in_pieces(&version, &from.in_pieces, from.effort)?;
         let model = self.model(&version, &self.train, &self.outputs)?;
-        let task = Task { wanted, ..self.task(&model, &self.train, true) };
+        let most_rounds = from.effort.rounds;
+        let task = Task { wanted, most_rounds, ..self.task(&model, &self.train, true) };
         let whole = in_pieces.as_ref().map(|point| self.joined_up(point));
-        let fits =
-            whole.iter().chain(task.nearest(&from.starts, GONE_ON_FROM)).filter_map(|start| task.fit(start));
+        let fits = whole
+            .iter()
+            .chain(task.nearest(&from.starts, from.effort.starts))
+            .filter_map(|start| task.fit(start));
         let Some(train) = fits.min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { return Ok(None) };
         let test = self.held(&version, &train.point, from.held)?;
         Ok(test.map(|test| Stage { version, train, test, in_pieces }))
     }
 
     /// Fits a patch to the pieces: where it comes to from the best of several points.
-    fn in_pieces(&self, version: &Version, starts: &[Point]) -> Result<Option<Point>, ModelError> {
+    fn in_pieces(
+        &self,
+        version: &Version,
+        starts: &[Point],
+        effort: Effort,
+    ) -> Result<Option<Point>, ModelError> {
         if starts.is_empty() {
             return Ok(None);
         }
         let model = self.model(version, &self.pieces, &self.outputs)?;
-        let task = self.task(&model, &self.pieces, true);
-        let fits = task.nearest(starts, GONE_ON_FROM_IN_PIECES).filter_map(|start| task.fit(start));
+        let task = Task { most_rounds: effort.rounds, ..self.task(&model, &self.pieces, true) };
+        let fits = task.nearest(starts, effort.starts).filter_map(|start| task.fit(start));
         Ok(fits.min_by(|a, b| a.chi2.total_cmp(&b.chi2)).map(|fitted| fitted.point))
     }
 
@@ -226,7 +254,7 @@ impl Problem {
         let points: Vec<Point> = [first.clone()].into_iter().chain(scattered).collect();
         let settled = points.iter().filter_map(|point| settle.fit(point)).map(|fitted| fitted.point);
         let starts: Vec<Point> = settled.chain([first.clone()]).collect();
-        let from = From { starts, ..From::default() };
+        let from = From::starts(starts);
         let Some(stage) = self.stage(version, from, f64::INFINITY)? else { return Ok(None) };
         if self.is_cut || stage.train.chi2 < FAR * FAR * stage.train.count as f64 {
             return Ok(Some(stage));
@@ -241,9 +269,9 @@ impl Problem {
         let settle = Task { turns: false, ..self.task(&model, &self.pieces, true) };
         let Some(settled) = settle.fit(&first) else { return Ok(stage) };
         let from = From {
-            starts: vec![stage.train.point.clone()],
             in_pieces: vec![settled.point],
             held: Some(&stage.test.point.initial),
+            ..From::starts(vec![stage.train.point.clone()])
         };
         let again = self.stage(stage.version.clone(), from, f64::INFINITY)?;
         Ok(again.unwrap_or(stage))
@@ -265,7 +293,7 @@ impl Problem {
                 .collect(),
             offsets: other.offsets.clone(),
         };
-        let from = From { starts: vec![start], held: Some(&stage.test.point.initial), ..From::default() };
+        let from = From { held: Some(&stage.test.point.initial), ..From::starts(vec![start]) };
         let again = self.stage(stage.version.clone(), from, f64::INFINITY)?;
         let again = again.map(|again| Stage { in_pieces: stage.in_pieces.clone(), ..again });
         Ok(again.filter(|again| again.train.chi2 < BETTER * stage.train.chi2))
@@ -311,6 +339,7 @@ impl Problem {
         stage: &Stage,
         attached: &Attached<'_>,
         peaks: &Peaks,
+        effort: Effort,
     ) -> Result<Option<(Candidate, Stage)>, ModelError> {
         let largest = peaks.at(&attached.place);
         let Some(candidate) = Candidate::new(attached, &stage.version.patch, &largest, &peaks.spectrum)?
@@ -341,6 +370,7 @@ impl Problem {
             starts: begun(&stage.train.point),
             in_pieces: stage.in_pieces.as_ref().map(begun).unwrap_or_default(),
             held: Some(&stage.test.point.initial),
+            effort,
         };
         Ok(self.stage(version, from, stage.train.chi2)?.map(|stage| (candidate, stage)))
     }

@@ -122,4 +122,16 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     let report: Value = serde_json::from_str(&report).unwrap();
     assert_eq!((&report["verdict"], &report["effects"][0]["name"]), (&"named".into(), &"saturation".into()));
     assert_eq!(report["patch"], Value::from(augmented.display().to_string()));
+    let page = std::fs::read_to_string(out_folder.join("report.html")).unwrap();
+    let rivals = report["rivals"].as_array().unwrap().iter().filter(|rival| rival["step"] == 1).count();
+    // Every effect that was tried stands on the page, and pictures do.
+    assert!(page.contains("<p class=\"verdict\">saturation at u is missing</p>"));
+    assert!(page.contains(&format!("Round 1: {rivals} effects and places tried")));
+    assert_eq!(
+        page.matches("<tr").count() - page.matches("<tr>").count(),
+        1,
+        "one row is told apart: the best"
+    );
+    assert_eq!(page.matches("<svg").count(), 8);
+    assert!(!page.contains("NaN"));
 }
