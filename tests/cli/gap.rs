@@ -132,7 +132,6 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
         1,
         "one row is told apart: the best"
     );
-    let outputs = report["gap"]["before"]["train"].as_object().unwrap().len();
-    assert_eq!(page.matches("<svg").count(), 8 * outputs);
+    assert_eq!(page.matches("<svg class=\"picture\"").count(), 8);
     assert!(!page.contains("NaN"));
 }
