@@ -24,7 +24,8 @@ pub(super) struct Arguments {
     /// Only check the data: sampling, gaps, noise, steps of the recorder, how fast columns move
     #[arg(long, conflicts_with_all = ["out", "effects", "seed", "threads"])]
     check: bool,
-    /// Write the patch with what was missing (augmented.json) and the report (report.html, report.json) into this folder
+    /// Write the patch with what was missing (augmented.json) and the report (report.html, report.json) into this folder; where it
+    /// has no name, the patch with its force as a curve (recovered.json), too
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Take the effects of this folder as well: every .json file in it
@@ -45,6 +46,7 @@ pub(super) struct Arguments {
 const AUGMENTED: &str = "augmented.json";
 const REPORT: &str = "report.json";
 const PAGE: &str = "report.html";
+const RECOVERED: &str = "recovered.json";
 
 pub(super) fn gap(arguments: &Arguments) -> Result<(), Failure> {
     carried_out(arguments).map_err(|failure| failure.told_as_json(arguments.json))
@@ -59,15 +61,23 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
             false => say(&gap_check::told(&experiment)),
         };
     }
-    let paths = arguments.out.as_ref().map(|folder| [AUGMENTED, REPORT, PAGE].map(|file| folder.join(file)));
+    let files = [AUGMENTED, REPORT, PAGE, RECOVERED];
+    let paths = arguments.out.as_ref().map(|folder| files.map(|file| folder.join(file)));
     prepare(arguments.out.as_deref(), paths.iter().flatten())?;
     let library = effects::known(arguments.effects.as_deref())?;
     let (problem, outcome) = searched(arguments, &experiment, &library)?;
     let mut document = outcome.document(&problem);
-    if let Some([augmented, report, page]) = &paths {
+    let mut wrote: Vec<&PathBuf> = Vec::new();
+    if let Some([augmented, report, page, recovered]) = &paths {
         let patch = outcome.patch(AUGMENTED).map_err(|error| Failure::data(error.to_string()))?;
         put(augmented, patch.text().as_bytes())?;
         document["patch"] = Value::from(augmented.display().to_string());
+        wrote.extend([augmented, report, page]);
+        if let Some(patch) = outcome.recovered() {
+            put(recovered, patch.text().as_bytes())?;
+            document["recovered"] = Value::from(recovered.display().to_string());
+            wrote.push(recovered);
+        }
         put(report, format!("{document:#}\n").as_bytes())?;
         let told = Told { experiment: &experiment, problem: &problem, outcome: &outcome, library: &library };
         put(page, page::page(&told).map_err(|error| Failure::data(error.to_string()))?.as_bytes())?;
@@ -75,7 +85,7 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
         return say_json(&document);
     }
-    let wrote = paths.iter().flatten().map(|path| format!("wrote {}\n", path.display()));
+    let wrote = wrote.into_iter().map(|path| format!("wrote {}\n", path.display()));
     say(&format!("{}{}", gap_report::told(&experiment, &problem, &outcome), wrote.collect::<String>()))
 }
 

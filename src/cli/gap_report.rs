@@ -1,10 +1,12 @@
 //! What a search found, in words.
 
+use super::failure::plural;
 use super::table::Table;
 use patchcord::gap::Experiment;
 use patchcord::gap::report::error;
 use patchcord::gap::search::{Outcome, Round};
 use patchcord::gap::stage::{Problem, Stage};
+use patchcord::gap::whereabouts::Whereabouts;
 use patchcord::instruments::Display;
 
 /// So many trials are told of every round.
@@ -14,6 +16,7 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
     let mut text = format!("{}: {}\n", experiment.file, outcome.sentence());
     text += &format!("\n{}", parameters(outcome.told()).text());
     text += &format!("\n{}", gaps(problem, outcome).text());
+    text += &place(&outcome.whereabouts);
     for (number, round) in outcome.rounds.iter().enumerate() {
         text += &format!("\n{}\n\n{}", heading(number + 1, round), trials(round).text());
     }
@@ -40,6 +43,37 @@ fn gaps(problem: &Problem, outcome: &Outcome) -> Table {
         table.row([format!("{what} ({})", problem.outputs.join(", ")), cells[0].clone(), cells[1].clone()]);
     }
     table
+}
+
+/// Where and when something is missing.
+fn place(found: &[Whereabouts]) -> String {
+    let Some(best) = found.first() else { return String::new() };
+    let number = |value: f64| Display::new("", 1.0).number(value);
+    let windows: Vec<[f64; 2]> = best.windows().collect();
+    let count = windows.len();
+    let first = windows.iter().copied().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+    let when = first.map_or_else(String::new, |[from, to]| {
+        let others = match count {
+            1 => String::new(),
+            _ => format!(" and at {}", plural(count as u64 - 1, "other time")),
+        };
+        format!(", between t = {} and {} s{others}", number(from), number(to))
+    });
+    let against = match best.best_against() {
+        "time" => "that goes with time alone".to_owned(),
+        signal => format!("of {signal}"),
+    };
+    let mut text =
+        format!("\nthe gap is best explained at {}{when}, as a force {against}\n\n", best.junction);
+    let mut table = Table::new(["at", "unit", "closes of the gap", "evidence", "goes with"]);
+    for own in found {
+        let share = format!("{} %", number(100.0 * own.explains));
+        let cells = [own.junction.clone(), own.unit.clone(), share, number(own.evidence)];
+        let [at, unit, share, evidence] = cells;
+        table.row([at, unit, share, evidence, own.best_against().to_owned()]);
+    }
+    text += &table.text();
+    text
 }
 
 fn heading(number: usize, round: &Round) -> String {

@@ -142,23 +142,23 @@ impl Task<'_> {
     }
 
     /// How many coordinates come before those of the records.
-    fn common(&self) -> usize {
+    pub(super) fn common(&self) -> usize {
         self.model.knobs.len() + self.sigma.len()
     }
 
-    fn states(&self) -> usize {
+    pub(super) fn states(&self) -> usize {
         self.model.initial.len()
     }
 
     /// Knobs as shares of their ways, offsets in sigmas, then the initial voltages of every record in machine units.
-    fn shares(&self, point: &Point) -> DVector<f64> {
+    pub(super) fn shares(&self, point: &Point) -> DVector<f64> {
         let knobs = self.model.knobs.iter().zip(&point.knobs).map(|(knob, value)| knob.share(*value));
         let offsets = point.offsets.iter().zip(self.sigma).map(|(offset, sigma)| offset / sigma);
         let initial = point.initial.iter().flatten().map(|volts| volts / 100.0);
         DVector::from_vec(knobs.chain(offsets).chain(initial).collect())
     }
 
-    fn point(&self, at: &DVector<f64>) -> Point {
+    pub(super) fn point(&self, at: &DVector<f64>) -> Point {
         let knobs = self.model.knobs.iter().zip(at.iter()).map(|(knob, share)| knob.at(*share));
         let offsets = self.sigma.iter().enumerate();
         let offsets = offsets.map(|(output, sigma)| at[self.model.knobs.len() + output] * sigma);
@@ -174,7 +174,7 @@ impl Task<'_> {
         (first..first + self.states()).map(|index| 100.0 * at[index]).collect()
     }
 
-    fn choice(&self, at: &DVector<f64>, record: usize) -> Choice {
+    pub(super) fn choice(&self, at: &DVector<f64>, record: usize) -> Choice {
         let knobs = self.model.knobs.iter().zip(at.iter()).map(|(knob, share)| knob.at(*share));
         Choice { knobs: knobs.collect(), initial: self.initial(at, record) }
     }
@@ -195,7 +195,13 @@ impl Task<'_> {
     }
 
     /// Data less model over sigma.
-    fn residual(&self, at: &DVector<f64>, record: usize, output: usize, course: &Course) -> Vec<f64> {
+    pub(super) fn residual(
+        &self,
+        at: &DVector<f64>,
+        record: usize,
+        output: usize,
+        course: &Course,
+    ) -> Vec<f64> {
         let offset = at[self.model.knobs.len() + output];
         let pairs = self.records[record].outputs[output].iter().zip(&course[output]);
         pairs.map(|(datum, value)| (datum - value) / self.sigma[output] - offset).collect()
@@ -214,7 +220,7 @@ impl Task<'_> {
     }
 
     /// Which coordinates are found at all.
-    fn is_free(&self, index: usize) -> bool {
+    pub(super) fn is_free(&self, index: usize) -> bool {
         let knobs = self.model.knobs.len();
         match index {
             index if index < knobs => self.turns,
@@ -224,7 +230,7 @@ impl Task<'_> {
     }
 
     /// Least and largest share of a coordinate.
-    fn bounds(&self, index: usize) -> [f64; 2] {
+    pub(super) fn bounds(&self, index: usize) -> [f64; 2] {
         match index {
             index if index < self.model.knobs.len() => [0.0, 1.0],
             index if index < self.common() => [f64::NEG_INFINITY, f64::INFINITY],
@@ -265,7 +271,7 @@ impl Task<'_> {
         normal
     }
 
-    fn nudge(&self, at: &DVector<f64>, index: usize) -> f64 {
+    pub(super) fn nudge(&self, at: &DVector<f64>, index: usize) -> f64 {
         let [_, high] = self.bounds(index);
         if at[index] + NUDGE > high { -NUDGE } else { NUDGE }
     }

@@ -28,6 +28,7 @@ pub mod site;
 pub mod stage;
 mod subject;
 mod together;
+pub mod whereabouts;
 
 pub use document::Hold;
 pub use examine::{Examined, Noise, NoiseKind, SHARES, examine};

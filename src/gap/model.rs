@@ -14,6 +14,9 @@ use crate::trace::Trace;
 /// Ranges above 0 whose ends differ by more than this factor are gone through by factors.
 const WIDE: f64 = 20.0;
 
+/// So many programs with tables of their own are held at once.
+const TABLED: usize = 16;
+
 /// A value that can be turned while a model is fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Knob {
@@ -135,15 +138,37 @@ impl Model {
 
     /// Runs one record with several choices of knobs and initial voltages, side by side; nothing where a run had to stop.
     pub fn run(&self, record: usize, choices: &[Choice]) -> Vec<Option<Course>> {
-        let program = &self.programs[record];
+        self.run_each(record, choices.iter().map(|choice| (choice, None)))
+    }
+
+    /// The same with points of a table for each choice.
+    pub(super) fn run_tabled(
+        &self,
+        record: usize,
+        table: Table<'_>,
+        choices: &[(Choice, Vec<[f64; 2]>)],
+    ) -> Vec<Option<Course>> {
+        let runs = choices.chunks(TABLED).flat_map(|some| {
+            let some = some.iter().map(|(choice, points)| (choice, Some((table, points.as_slice()))));
+            self.run_each(record, some)
+        });
+        runs.collect()
+    }
+
+    fn run_each<'c>(
+        &self,
+        record: usize,
+        choices: impl Iterator<Item = (&'c Choice, Option<(Table<'c>, &'c [[f64; 2]])>)>,
+    ) -> Vec<Option<Course>> {
         let mut ready = Vec::new();
-        let set = choices.iter().map(|choice| {
-            let mut own = program.clone();
+        let set = choices.map(|(choice, tabled)| {
+            let mut own = self.programs[record].clone();
             let knobs = self.knobs.iter().zip(&choice.knobs);
             let initial = self.initial.iter().zip(&choice.initial);
             let changes: Vec<_> =
                 knobs.chain(initial).map(|(knob, value)| (knob.name.as_str(), *value)).collect();
-            let is_set = preset(&mut own, &changes).is_ok();
+            let is_tabled = tabled.is_none_or(|(table, points)| table.put(&mut own, points));
+            let is_set = is_tabled && preset(&mut own, &changes).is_ok();
             ready.extend(is_set.then_some(own));
             is_set
         });
@@ -161,6 +186,27 @@ impl Model {
             is_whole.then_some(values)
         };
         self.outputs.iter().map(values).collect()
+    }
+}
+
+/// A table of a patch that runs give other points.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Table<'a> {
+    /// That of a drive: time in seconds, value in the unit of its scale.
+    Drive(&'a str),
+    /// That of a function generator, in volts; its inputs stay.
+    Curve(&'a str),
+}
+
+impl Table<'_> {
+    fn put(self, program: &mut Program, points: &[[f64; 2]]) -> bool {
+        match self {
+            Table::Drive(drive) => solve::feed(program, drive, points.to_vec()).is_ok(),
+            Table::Curve(element) => {
+                let outputs: Vec<f64> = points.iter().map(|point| point[1]).collect();
+                solve::bend(program, element, &outputs)
+            }
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use super::fit::Fitted;
 use super::score::memory;
 use super::search::{Outcome, Round, Trial, Verdict};
 use super::stage::{Problem, Stage};
+use super::whereabouts::Whereabouts;
 use crate::patch::{Edit, EditError, Patch};
 
 /// The standard errors on either side of a value between which it lies in 95 of 100 cases.
@@ -59,6 +60,12 @@ impl Outcome {
         }
     }
 
+    /// The patch as it was with the force that closes its gap best, where something is missing that has no name.
+    pub fn recovered(&self) -> Option<&Patch> {
+        let is_unknown = self.verdict == Verdict::UnknownEffect;
+        self.whereabouts.first().filter(|_| is_unknown).map(|found| &found.recovered)
+    }
+
     /// The report as a JSON document.
     pub fn document(&self, problem: &Problem) -> Value {
         let taken: Vec<&Round> = self.rounds.iter().filter(|round| round.taken).collect();
@@ -79,6 +86,7 @@ impl Outcome {
                 "after": gaps(problem, self.told()),
             },
             "parameters": parameters(self.told()),
+            "where": self.whereabouts.iter().map(Whereabouts::document).collect::<Vec<_>>(),
         })
     }
 }

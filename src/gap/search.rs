@@ -8,6 +8,7 @@ use super::model::ModelError;
 use super::score::{Advantage, advantage, colour, memory};
 use super::site::Sites;
 use super::stage::{Effort, Problem, Stage};
+use super::whereabouts::Whereabouts;
 use crate::circuit::Circuit;
 use crate::patch::Patch;
 use crate::pool;
@@ -81,6 +82,8 @@ pub struct Outcome {
     pub rounds: Vec<Round>,
     /// The share of the gap that is left, in rms.
     pub left: f64,
+    /// Where and when something is missing in the patch as it was; of no junction where nothing is.
+    pub whereabouts: Vec<Whereabouts>,
 }
 
 /// What a search is made with.
@@ -152,7 +155,11 @@ impl Problem {
         let (rounds, stage) = self.settled(&base, rounds, stage, with, &mut progress)?;
         let left = self.gap(&stage) / self.gap(&base);
         let verdict = self.verdict(&base, &stage, &rounds, left);
-        Ok(Some(Outcome { verdict, base, rounds, left }))
+        let whereabouts = match verdict {
+            Verdict::NothingMissing | Verdict::CannotJudge => Vec::new(),
+            _ => self.whereabouts(&base, with.threads)?,
+        };
+        Ok(Some(Outcome { verdict, base, rounds, left, whereabouts }))
     }
 
     /// The patch of a stage fitted better, from where the best trials came to.
@@ -218,7 +225,7 @@ impl Problem {
         Ok(Some(stage))
     }
 
-    fn sites(&self, stage: &Stage) -> Result<Sites, ModelError> {
+    pub(super) fn sites(&self, stage: &Stage) -> Result<Sites, ModelError> {
         let circuit = Circuit::new(&stage.version.patch, &[])?;
         let fed: Vec<&str> = self.drives.iter().map(|feed| feed.drive.as_str()).collect();
         Ok(Sites::of(&circuit, &fed))

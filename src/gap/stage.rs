@@ -167,11 +167,16 @@ impl Problem {
         Ok(MOST_STEPS)
     }
 
-    fn model(&self, version: &Version, records: &[Record], outputs: &[String]) -> Result<Model, ModelError> {
+    pub(super) fn model(
+        &self,
+        version: &Version,
+        records: &[Record],
+        outputs: &[String],
+    ) -> Result<Model, ModelError> {
         Model::new(&version.patch, records, &self.drives, &version.fit, &version.free, outputs, version.steps)
     }
 
-    fn task<'a>(&'a self, model: &'a Model, records: &'a [Record], turns: bool) -> Task<'a> {
+    pub(super) fn task<'a>(&'a self, model: &'a Model, records: &'a [Record], turns: bool) -> Task<'a> {
         let (sigma, offset) = (&self.sigma, &self.offset);
         Task { model, records, sigma, offset, turns, wanted: f64::INFINITY, most_rounds: MOST_ROUNDS }
     }
@@ -225,7 +230,7 @@ impl Problem {
 
     /// The same knobs on the records that are held back: only initial voltages are found there, from where the patch stands and from
     /// where another fit came to.
-    fn held(
+    pub(super) fn held(
         &self,
         version: &Version,
         at: &Point,

@@ -83,6 +83,8 @@ pub struct Program {
     pub(crate) corners: Arc<Corners>,
     /// The tables that are looked up at time itself.
     pub(crate) timetables: Vec<Timetable>,
+    /// The element and the table of every curve that is looked up at a voltage.
+    pub(crate) curves: Vec<(usize, usize)>,
     pub(crate) loops: Vec<Loop>,
     /// Where rates turn corners.
     pub(crate) kinks: Vec<Kink>,
@@ -400,6 +402,11 @@ impl Program {
     /// Index of the table that a drive looks up at time itself.
     pub(crate) fn table_of(&self, drive: usize) -> Option<usize> {
         self.timetables.iter().find(|own| own.element == drive).map(|own| own.table)
+    }
+
+    /// Index of the table that an element looks up at a voltage.
+    pub(crate) fn curve_of(&self, element: usize) -> Option<usize> {
+        self.curves.iter().find(|own| own.0 == element).map(|own| own.1)
     }
 
     /// Gives a table other points.

@@ -209,6 +209,7 @@ impl Lowering<'_> {
     /// Points looked up: straight between them, level outside.
     pub fn look_up(&mut self, points: Vec<[f64; 2]>, at: Register) -> Register {
         let table = self.new_table(points);
+        self.program.curves.push((self.current, table));
         self.emit(Op::Table(table as u32, at))
     }
 

@@ -57,3 +57,16 @@ pub fn feed(program: &mut Program, drive: &str, points: Vec<[f64; 2]>) -> Result
     program.put_points(table, points);
     Ok(())
 }
+
+/// Gives a function generator without symmetry other outputs at the inputs that its points have, in volts; false where there is
+/// none of that name with as many points. Beyond the outermost points it goes on as before: its first two outputs must have been
+/// equal, and stay so, and its last two.
+pub(crate) fn bend(program: &mut Program, element: &str, outputs: &[f64]) -> bool {
+    let table = program.element(element).and_then(|element| program.curve_of(element));
+    let Some(table) = table.filter(|table| program.tables[*table].len() == outputs.len()) else {
+        return false;
+    };
+    let points = program.tables[table].iter().zip(outputs).map(|(point, output)| [point[0], *output]);
+    program.put_points(table, points.collect());
+    true
+}

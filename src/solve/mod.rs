@@ -30,6 +30,7 @@ pub use crate::kernel::Backend;
 pub use crate::patch::{Change, LEAST_TOLERANCE, Phase, Until};
 pub use crate::trace::{Overload, Work};
 pub use error::{RunError, Stopped, TimeSetting};
+pub(crate) use feed::bend;
 pub use feed::{FeedError, feed};
 pub use hands::preset;
 pub use machine::{Machine, MachineMode};

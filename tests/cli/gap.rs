@@ -134,4 +134,9 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     );
     assert_eq!(page.matches("<svg class=\"picture\"").count(), 8);
     assert!(!page.contains("NaN"));
+    let best = &report["where"][0];
+    let told = format!("the gap is best explained at {}", best["junction"].as_str().unwrap());
+    assert!(text.contains(&told) && text.contains(best["best_against"].as_str().unwrap()), "{text}");
+    // What has a name needs no curve.
+    assert!(!out_folder.join("recovered.json").exists() && report["recovered"].is_null());
 }

@@ -6,7 +6,9 @@ mod bad;
 #[path = "../common/mutated.rs"]
 mod mutated;
 mod reading;
+mod search;
 mod spoilt;
+mod r#where;
 
 use std::collections::HashSet;
 use std::fs;

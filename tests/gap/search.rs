@@ -12,7 +12,8 @@ use serde_json::Value;
 /// The search of a case of tests/gap/hidden, on so many threads, and its truth.
 fn searched(case: &str, threads: usize) -> (Problem, Outcome, Value) {
     let folder = Path::new("tests/gap/hidden").join(case);
-    let experiment = Experiment::read(&folder.join("experiment.json")).unwrap_or_else(|error| panic!("{error}"));
+    let experiment =
+        Experiment::read(&folder.join("experiment.json")).unwrap_or_else(|error| panic!("{error}"));
     let problem = Problem::of(&experiment).unwrap();
     let library = Library::shipped();
     let with = Means { library: &library, threads, seed: 1 };

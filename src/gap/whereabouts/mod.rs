@@ -1,0 +1,142 @@
+//! Where and when something is missing: at each junction the force that would close the gap, when it acts, and what it goes with.
+//!
+//! The force is a table over time, found by regularised least squares on what each of its numbers does to the outputs, beside
+//! everything that the patch itself leaves free. Junctions are compared by the likelihood of the data with such a force.
+
+mod against;
+mod evidence;
+mod junction;
+mod recovered;
+mod unknown;
+
+use serde_json::{Value, json};
+
+use super::model::ModelError;
+use super::site::Junction;
+use super::stage::{Problem, Stage};
+use crate::patch::Patch;
+use crate::pool;
+
+pub use evidence::Likeness;
+
+/// The force that would close the gap at a junction.
+#[derive(Debug, Clone)]
+pub struct Whereabouts {
+    /// The integrator.
+    pub junction: String,
+    /// The unit of the force.
+    pub unit: String,
+    /// The share of the gap that it closes, in squares.
+    pub explains: f64,
+    /// Logarithm of its marginal likelihood, above that of no force: what junctions are compared by.
+    pub evidence: f64,
+    /// To how many free numbers it comes.
+    pub effective: f64,
+    /// Whether it is smooth or may jump.
+    pub likeness: Likeness,
+    /// The force, by record.
+    pub forces: Vec<Force>,
+    /// The same as a curve over what it may go with, in the order in which that was asked.
+    pub curves: Vec<Curve>,
+    /// Which of the curves it goes with best; with time alone where there is none.
+    pub best: Option<usize>,
+    /// The patch with the force, as a function generator or a table, and all parameters as fitted.
+    pub recovered: Patch,
+}
+
+/// A force in a record.
+#[derive(Debug, Clone)]
+pub struct Force {
+    /// The file of the record.
+    pub data: String,
+    /// Time in seconds by the clock of the record, force, its standard error, and that if all else were known.
+    pub points: Vec<[f64; 4]>,
+    /// From when to when it stands out of the latter.
+    pub windows: Vec<[f64; 2]>,
+}
+
+/// A force over a quantity.
+#[derive(Debug, Clone)]
+pub struct Curve {
+    /// The quantity.
+    pub against: String,
+    /// Its unit.
+    pub unit: String,
+    /// Value, force, standard error.
+    pub points: Vec<[f64; 3]>,
+    /// The same where the quantity rises and where it falls, if the data bear out that these differ.
+    pub by_direction: Option<[Vec<[f64; 3]>; 2]>,
+    /// The share of the gap that the curve closes, in squares, on the data that it is fitted to,
+    pub explains: f64,
+    /// and, wired in, on those that were held back.
+    pub held_out: Option<f64>,
+    /// Logarithm of its marginal likelihood, above that of no force.
+    pub evidence: f64,
+    /// Value and force at the knots of the force over time.
+    pub scatter: Vec<[f64; 2]>,
+}
+
+impl Problem {
+    /// What a force would explain at every junction of a stage, the most likely first, worked out on so many threads.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records.
+    pub fn whereabouts(&self, stage: &Stage, threads: usize) -> Result<Vec<Whereabouts>, ModelError> {
+        let sites = self.sites(stage)?;
+        // Where a force cannot be wired in, none is told of.
+        let at = |junction: &Junction| {
+            junction::At { problem: self, stage, sites: &sites, junction }.whereabouts().ok().flatten()
+        };
+        let found = pool::each(&sites.junctions, threads, at, |_| ());
+        let mut found: Vec<Whereabouts> = found.into_iter().flatten().collect();
+        found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        Ok(found)
+    }
+}
+
+impl Whereabouts {
+    /// What the force goes with best: a signal or drive, or "time".
+    pub fn best_against(&self) -> &str {
+        self.best.map_or("time", |best| &self.curves[best].against)
+    }
+
+    /// From when to when it acts, in all records.
+    pub fn windows(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.forces.iter().flat_map(|force| force.windows.iter().copied())
+    }
+
+    /// The same as a JSON document.
+    pub fn document(&self) -> Value {
+        let record =
+            |force: &Force| json!({"data": force.data, "windows": force.windows, "force": force.points});
+        json!({
+            "junction": self.junction,
+            "unit": self.unit,
+            "explains": self.explains,
+            "evidence": self.evidence,
+            "numbers": self.effective,
+            "likeness": self.likeness.as_str(),
+            "best_against": self.best_against(),
+            "curve": self.best.map(|best| &self.curves[best].points),
+            "records": self.forces.iter().map(record).collect::<Vec<_>>(),
+            "curves": self.curves.iter().map(Curve::document).collect::<Vec<_>>(),
+        })
+    }
+}
+
+impl Curve {
+    fn document(&self) -> Value {
+        let [rising, falling] = [0, 1].map(|place| self.by_direction.as_ref().map(|both| &both[place]));
+        json!({
+            "against": self.against,
+            "unit": self.unit,
+            "explains": self.explains,
+            "held_out": self.held_out,
+            "evidence": self.evidence,
+            "curve": self.points,
+            "rising": rising,
+            "falling": falling,
+            "scatter": self.scatter,
+        })
+    }
+}

@@ -1,0 +1,300 @@
+//! A force that nobody knows: wired to a junction as a table, and found by regularised least squares on what each of its numbers
+//! does to the outputs, beside knobs, initial voltages and offsets.
+
+use crate::gap::fit::{Point, Task};
+use crate::gap::model::{Choice, Course, Table};
+use nalgebra::{DMatrix, DVector};
+
+use super::evidence::{Known, Likeness, Products, Solved};
+
+/// How the force of every record follows from what is sought.
+#[derive(Debug, Clone)]
+pub struct Shape {
+    /// How many numbers are sought, group by group.
+    pub groups: Vec<usize>,
+    /// Of every record the points between which the force goes straight.
+    pub records: Vec<Vec<Instant>>,
+}
+
+/// A time (of a curve, a voltage), and of which numbers the force there is made, and how much of each.
+pub type Instant = (f64, Vec<(usize, f64)>);
+
+impl Shape {
+    /// The force of a record: points of a table.
+    pub fn points(&self, record: usize, sought: &[f64]) -> Vec<[f64; 2]> {
+        let force =
+            |parts: &Vec<(usize, f64)>| parts.iter().map(|(place, share)| share * sought[*place]).sum();
+        self.records[record].iter().map(|(time, parts)| [*time, force(parts)]).collect()
+    }
+
+    /// How many numbers there are.
+    pub fn count(&self) -> usize {
+        self.groups.iter().sum()
+    }
+
+    /// The numbers that matter to a record.
+    fn of(&self, record: usize) -> Vec<usize> {
+        let mut all: Vec<usize> =
+            self.records[record].iter().flat_map(|(_, parts)| parts.iter().map(|part| part.0)).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+}
+
+/// A force that is looked for.
+pub struct Sought<'a> {
+    /// The patch with a table for it, and what it is held against.
+    pub task: Task<'a>,
+    /// The table.
+    pub table: Table<'a>,
+    /// By how much its numbers are moved for derivatives.
+    pub push: f64,
+    /// What the force is made of.
+    pub shape: &'a Shape,
+    /// What was fitted without it.
+    pub home: &'a Point,
+    /// The sum of squares that this leaves.
+    pub without: f64,
+    /// Whether the force acts back on itself, so that steps may have to be shorter.
+    pub acts_back: bool,
+    /// Knobs and initial voltages are expected where they were fitted without the force, give or take this share of their ranges.
+    pub near: f64,
+}
+
+/// From where a force is looked for.
+pub struct Start<'a> {
+    /// Knobs, initial voltages and offsets.
+    pub point: &'a Point,
+    /// The numbers; none are 0.
+    pub sought: Option<&'a [f64]>,
+}
+
+/// A force found.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// Knobs, initial voltages and offsets beside it.
+    pub point: Point,
+    /// Its numbers.
+    pub sought: Vec<f64>,
+    /// Their standard errors,
+    pub errors: Vec<f64>,
+    /// and if all else were known.
+    pub errors_alone: Vec<f64>,
+    /// The sum of squares of the residuals.
+    pub chi2: f64,
+    /// Logarithm of the marginal likelihood, above that of no force.
+    pub evidence: f64,
+    /// To how many free numbers it comes.
+    pub effective: f64,
+    /// How its numbers are alike.
+    pub likeness: Likeness,
+    /// What the data say about its numbers, about these coordinates.
+    pub products: Products,
+    about: DVector<f64>,
+}
+
+/// So often the response is worked out at most.
+const MOST_ROUNDS: usize = 5;
+/// What is left is as was foreseen, to this share.
+const FORESEEN: f64 = 0.03;
+/// A force that acts back must not begin with more than so many times the squares that are left without it.
+const FAR: f64 = 3.0;
+/// Shares of a step that are tried where all of it leads to more than there was.
+const SHARES: [f64; 3] = [0.5, 0.2, 0.05];
+/// What is known of offsets before, as an inverse variance in sigmas.
+const HARDLY: f64 = 1e-6;
+
+/// Where a search for a force stands.
+#[derive(Clone)]
+struct Standing {
+    at: DVector<f64>,
+    sought: DVector<f64>,
+}
+
+impl Sought<'_> {
+    /// Finds it; nothing where the patch cannot be run, or where it comes to nothing better than no force.
+    pub fn find(&self, start: &Start<'_>) -> Option<Found> {
+        let none = DVector::zeros(self.shape.count());
+        let sought = start.sought.map_or(none, DVector::from_column_slice);
+        let mut standing = Standing { at: self.task.shares(start.point), sought };
+        let mut before =
+            self.chi2(&standing).filter(|before| !self.acts_back || *before < FAR * self.without)?;
+        for round in 1.. {
+            let products = self.products(&standing)?;
+            let solved = products.solved()?;
+            let Some((next, chi2)) = self.step(&standing, &solved, before) else {
+                return (before < self.without)
+                    .then(|| self.found(&standing, &standing, products, solved, before));
+            };
+            let is_settled = self.acts_back && (before - chi2).abs() < FORESEEN * chi2;
+            if is_settled || (chi2 - solved.left).abs() < FORESEEN * solved.left {
+                return Some(self.found(&next, &standing, products, solved, chi2));
+            }
+            if round == MOST_ROUNDS {
+                // What is sought alone, beside what came nearest.
+                let frozen = Standing { sought: products.frozen().solved()?.sought, at: standing.at.clone() };
+                let frozen = self.chi2(&frozen).map(|chi2| (frozen, chi2));
+                let nearest = frozen.into_iter().chain([(next, chi2)]).min_by(|a, b| a.1.total_cmp(&b.1));
+                let (next, chi2) = nearest.filter(|(_, chi2)| *chi2 < self.without)?;
+                return Some(self.found(&next, &standing, products, solved, chi2));
+            }
+            (standing, before) = (next, chi2);
+        }
+        None
+    }
+
+    /// To what was solved for; where the force acts back and that leads astray, a share of the way on which the sum of squares
+    /// falls, if there is one.
+    fn step(&self, from: &Standing, solved: &Solved, before: f64) -> Option<(Standing, f64)> {
+        let to = |share: f64| {
+            let to = self.moved(from, solved, share);
+            let chi2 = self.chi2(&to).unwrap_or(f64::INFINITY);
+            (to, chi2)
+        };
+        let all = to(1.0);
+        if !self.acts_back || all.1 < before.max(self.without) {
+            return Some(all);
+        }
+        SHARES.into_iter().map(to).find(|(_, chi2)| *chi2 < before)
+    }
+
+    /// A share of the way to what was solved for.
+    fn moved(&self, from: &Standing, solved: &Solved, share: f64) -> Standing {
+        let mut at = from.at.clone();
+        for (place, index) in self.free().into_iter().enumerate() {
+            let [low, high] = self.task.bounds(index);
+            at[index] = (from.at[index] + share * solved.free[place]).clamp(low, high);
+        }
+        Standing { at, sought: &from.sought + (&solved.sought - &from.sought) * share }
+    }
+
+    /// The point beside numbers that were solved for from the same products as another force.
+    pub fn beside(&self, other: &Found, solved: &Solved) -> Point {
+        let about = Standing { at: other.about.clone(), sought: solved.sought.clone() };
+        self.task.point(&self.moved(&about, solved, 1.0).at)
+    }
+
+    fn found(
+        &self,
+        standing: &Standing,
+        about: &Standing,
+        products: Products,
+        solved: Solved,
+        chi2: f64,
+    ) -> Found {
+        let errors = |covariance: &DMatrix<f64>| -> Vec<f64> {
+            covariance.diagonal().iter().map(|variance| variance.max(0.0).sqrt()).collect()
+        };
+        let alone = products.covariance_alone(&solved);
+        Found {
+            point: self.task.point(&standing.at),
+            sought: standing.sought.iter().copied().collect(),
+            errors: errors(&solved.covariance),
+            errors_alone: errors(alone.as_ref().unwrap_or(&solved.covariance)),
+            chi2,
+            evidence: solved.evidence,
+            effective: solved.effective,
+            likeness: solved.likeness,
+            products,
+            about: about.at.clone(),
+        }
+    }
+
+    /// The free coordinates.
+    fn free(&self) -> Vec<usize> {
+        let task = &self.task;
+        let count = task.common() + task.records.len() * task.states();
+        (0..count).filter(|index| task.is_free(*index)).collect()
+    }
+
+    fn chi2(&self, standing: &Standing) -> Option<f64> {
+        let mut sum = 0.0;
+        for record in 0..self.task.records.len() {
+            let lane = self.lane(record, &standing.at, &standing.sought);
+            let course = self.task.model.run_tabled(record, self.table, &[lane]).pop()??;
+            let squares = self.residuals(&standing.at, record, &course);
+            sum += squares.iter().flatten().filter(|own| !own.is_nan()).map(|own| own * own).sum::<f64>();
+        }
+        Some(sum)
+    }
+
+    fn lane(&self, record: usize, at: &DVector<f64>, sought: &DVector<f64>) -> (Choice, Vec<[f64; 2]>) {
+        (self.task.choice(at, record), self.shape.points(record, sought.as_slice()))
+    }
+
+    fn residuals(&self, at: &DVector<f64>, record: usize, course: &Course) -> Vec<Vec<f64>> {
+        (0..self.task.sigma.len()).map(|output| self.task.residual(at, record, output, course)).collect()
+    }
+
+    /// What every number does to the outputs, and what is left of them.
+    fn products(&self, standing: &Standing) -> Option<Products> {
+        let (free, home) = (self.free(), self.task.shares(self.home));
+        let known = free.iter().map(|index| Known {
+            at: home[*index] - standing.at[*index],
+            weight: if self.is_offset(*index) { HARDLY } else { 1.0 / (self.near * self.near) },
+        });
+        let mut products = Products::new(known.collect(), self.shape.groups.clone(), self.without);
+        for record in 0..self.task.records.len() {
+            self.columns(record, standing, &free)?.iter().for_each(|rows| products.add(rows));
+        }
+        Some(products)
+    }
+
+    fn is_offset(&self, index: usize) -> bool {
+        (self.task.model.knobs.len()..self.task.common()).contains(&index)
+    }
+
+    /// Of every output of a record the derivatives by all that is free or sought, and in the last column what is to be explained.
+    fn columns(&self, record: usize, standing: &Standing, free: &[usize]) -> Option<Vec<DMatrix<f64>>> {
+        let Standing { at, sought } = standing;
+        let mut lanes = vec![self.lane(record, at, sought)];
+        // Of each further lane its column, and by how much it was moved.
+        let mut moved: Vec<(usize, f64)> = Vec::new();
+        for (column, index) in free.iter().enumerate().filter(|(_, index)| self.matters(**index, record)) {
+            let nudge = self.task.nudge(at, *index);
+            lanes.push(self.lane(record, &nudged(at, *index, nudge), sought));
+            moved.push((column, nudge));
+        }
+        for place in self.shape.of(record) {
+            lanes.push(self.lane(record, at, &nudged(sought, place, self.push)));
+            moved.push((free.len() + place, self.push));
+        }
+        let courses = self.task.model.run_tabled(record, self.table, &lanes);
+        let here = courses[0].as_ref()?;
+        let width = free.len() + self.shape.count() + 1;
+        let outputs = (0..self.task.sigma.len()).map(|output| {
+            let residual = self.task.residual(at, record, output, here);
+            let mut columns = DMatrix::zeros(residual.len(), width);
+            for ((column, by), there) in moved.iter().zip(&courses[1..]) {
+                // Where a neighbour cannot be run, that number stays.
+                let Some(there) = there else { continue };
+                let scale = 1.0 / (by * self.task.sigma[output]);
+                for (row, (there, here)) in there[output].iter().zip(&here[output]).enumerate() {
+                    columns[(row, *column)] = (there - here) * scale;
+                }
+            }
+            let offset = free.iter().position(|index| *index == self.task.model.knobs.len() + output);
+            offset.into_iter().for_each(|column| columns.column_mut(column).fill(1.0));
+            let made = columns.columns(free.len(), self.shape.count()) * sought;
+            columns.set_column(width - 1, &(DVector::from_vec(residual) + made));
+            let missing: Vec<usize> =
+                (0..columns.nrows()).filter(|row| columns[(*row, width - 1)].is_nan()).collect();
+            columns.remove_rows_at(&missing)
+        });
+        Some(outputs.collect())
+    }
+
+    /// Whether a coordinate is one that runs of a record follow.
+    fn matters(&self, index: usize, record: usize) -> bool {
+        let task = &self.task;
+        let first = task.common() + record * task.states();
+        index < task.model.knobs.len() || (first..first + task.states()).contains(&index)
+    }
+}
+
+fn nudged(at: &DVector<f64>, index: usize, by: f64) -> DVector<f64> {
+    let mut to = at.clone();
+    to[index] += by;
+    to
+}
