@@ -23,6 +23,8 @@ pub struct Task<'a> {
     pub wanted: f64,
     /// So often the derivatives are worked out at most.
     pub most_rounds: usize,
+    /// The share of every record that is looked at, from its beginning.
+    pub until: f64,
 }
 
 /// A point from which a fit begins, or at which it ends.
@@ -194,7 +196,7 @@ impl Task<'_> {
         all
     }
 
-    /// Data less model over sigma.
+    /// Data less model over sigma; NaN where there is no datum, and beyond what is looked at.
     pub(super) fn residual(
         &self,
         at: &DVector<f64>,
@@ -204,7 +206,12 @@ impl Task<'_> {
     ) -> Vec<f64> {
         let offset = at[self.model.knobs.len() + output];
         let pairs = self.records[record].outputs[output].iter().zip(&course[output]);
-        pairs.map(|(datum, value)| (datum - value) / self.sigma[output] - offset).collect()
+        let seen = (self.until * course[output].len() as f64).ceil() as usize;
+        let left = |(sample, (datum, value)): (usize, (&f64, &f64))| match sample < seen {
+            true => (datum - value) / self.sigma[output] - offset,
+            false => f64::NAN,
+        };
+        pairs.enumerate().map(left).collect()
     }
 
     fn chi2(&self, at: &DVector<f64>, courses: &[Course]) -> f64 {

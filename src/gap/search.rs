@@ -101,6 +101,8 @@ pub struct Means<'a> {
 const LOOKED_AT: usize = 3;
 /// So often a round is made again because the patch before it could be fitted better.
 const MOST_BETTERED: usize = 3;
+/// So many of the best trials are fitted to ever more of the records, where all leave a large gap.
+const GROWN: usize = 6;
 /// So many trials are gone through with, those that a quick look finds best.
 const TRIED_FULLY: usize = 12;
 /// How many effects are looked for at most.
@@ -135,13 +137,17 @@ impl Problem {
             let round = self.round(&stage, with, &mut progress)?;
             // A trial may have found what the patch alone could have been fitted to.
             let better = if bettered < MOST_BETTERED { self.better(&stage, &round)? } else { None };
-            if let Some(better) = better {
-                bettered += 1;
-                match rounds.last_mut() {
-                    Some(last) => last.trials[0].stage = better.clone(),
-                    None => base = better.clone(),
+            let again = match (rounds.last_mut(), better) {
+                (None, Some(better)) => {
+                    base = better.clone();
+                    Some(better)
                 }
-                stage = better;
+                (Some(last), Some(better)) => last.refit(better),
+                (_, None) => None,
+            };
+            if let Some(again) = again {
+                bettered += 1;
+                stage = again;
                 continue;
             }
             let taken = round.taken.then(|| round.trials[0].stage.clone());
@@ -270,22 +276,34 @@ impl Problem {
             |attached: &Attached<'_>, effort| self.attempt(stage, attached, &peaks, effort).ok().flatten();
         let mut tried =
             pool::each(&all, with.threads, |own| attempt(own, Effort::QUICK), |done| progress(done, count));
-        let mut order: Vec<usize> = (0..quick).filter(|place| tried[*place].is_some()).collect();
-        let chi2 =
-            |place: &usize| tried[*place].as_ref().map_or(f64::INFINITY, |(_, stage)| stage.train.chi2);
-        order.sort_by(|a, b| chi2(a).total_cmp(&chi2(b)));
-        order.truncate(full);
-        let again = pool::each(
-            &order,
-            with.threads,
-            |place| attempt(&all[*place], Effort::FULL),
-            |done| progress(quick as u64 + done, count),
-        );
-        for (place, again) in order.into_iter().zip(again) {
-            tried[place] = better_of(tried[place].take(), again);
+        let mut harder = |most: usize, effort: Effort| {
+            let order = best_of(&tried, most);
+            let again = pool::each(
+                &order,
+                with.threads,
+                |place| attempt(&all[*place], effort),
+                |done| progress(count.min(quick as u64 + done), count),
+            );
+            for (place, again) in order.iter().zip(again) {
+                tried[*place] = better_of(tried[*place].take(), again);
+            }
+            order.iter().flat_map(|place| &tried[*place]).all(|(_, stage)| stage.is_far())
+        };
+        let is_far = harder(full, Effort::FULL);
+        if is_far {
+            harder(GROWN, Effort::GROWING);
         }
         Ok(Round::of(stage, tried.into_iter().flatten().collect()))
     }
+}
+
+/// The places of so many trials, those that left least first.
+fn best_of(tried: &[Option<(Candidate, Stage)>], most: usize) -> Vec<usize> {
+    let chi2 = |place: &usize| tried[*place].as_ref().map_or(f64::INFINITY, |(_, stage)| stage.train.chi2);
+    let mut order: Vec<usize> = (0..tried.len()).filter(|place| tried[*place].is_some()).collect();
+    order.sort_by(|a, b| chi2(a).total_cmp(&chi2(b)));
+    order.truncate(most);
+    order
 }
 
 /// The one of two trials that left less.
@@ -297,6 +315,17 @@ fn better_of(
 }
 
 impl Round {
+    /// Judges the trials again with a better fit of the one that was taken; what is best then, if it still is to be taken.
+    fn refit(&mut self, taken: Stage) -> Option<Stage> {
+        let mut tried: Vec<(Candidate, Stage)> =
+            self.trials.iter().map(|trial| (trial.candidate.clone(), trial.stage.clone())).collect();
+        tried.first_mut()?.1 = taken;
+        let again = Round::of(&self.before, tried);
+        let stage = again.taken.then(|| again.trials[0].stage.clone())?;
+        *self = again;
+        Some(stage)
+    }
+
     fn of(before: &Stage, tried: Vec<(Candidate, Stage)>) -> Round {
         let best = tried.iter().map(|(_, stage)| stage).min_by(|a, b| a.train.chi2.total_cmp(&b.train.chi2));
         let unit = best.map_or((1.0, 1.0), |best| {

@@ -63,20 +63,31 @@ pub struct Stage {
     pub in_pieces: Option<Point>,
 }
 
+impl Stage {
+    /// Whether the gap is so large that fits may have lost their way.
+    pub fn is_far(&self) -> bool {
+        self.train.chi2 >= FAR * FAR * self.train.count as f64
+    }
+}
+
 /// How much is done to fit a stage.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
     /// So many of the points from which fits could begin are gone on from,
     starts: usize,
     /// and so often the derivatives are worked out for each.
     rounds: usize,
+    /// Shares of the records, from their beginnings, that are fitted one after the other before all of them.
+    shares: &'static [f64],
 }
 
 impl Effort {
     /// Enough to see whether more is worth while.
-    pub const QUICK: Effort = Effort { starts: 1, rounds: 5 };
+    pub const QUICK: Effort = Effort { starts: 1, rounds: 5, shares: &[] };
     /// Enough to be held against others.
-    pub const FULL: Effort = Effort { starts: 4, rounds: MOST_ROUNDS };
+    pub const FULL: Effort = Effort { starts: 4, rounds: MOST_ROUNDS, shares: &[] };
+    /// Where motion swings or sticks: what is fitted to all of it at once keeps step with the wrong swing.
+    pub const GROWING: Effort = Effort { starts: 4, rounds: MOST_ROUNDS, shares: &[0.35, 0.65] };
 }
 
 /// From where a stage is fitted.
@@ -178,7 +189,16 @@ impl Problem {
 
     pub(super) fn task<'a>(&'a self, model: &'a Model, records: &'a [Record], turns: bool) -> Task<'a> {
         let (sigma, offset) = (&self.sigma, &self.offset);
-        Task { model, records, sigma, offset, turns, wanted: f64::INFINITY, most_rounds: MOST_ROUNDS }
+        Task {
+            model,
+            records,
+            sigma,
+            offset,
+            turns,
+            wanted: f64::INFINITY,
+            most_rounds: MOST_ROUNDS,
+            until: 1.0,
+        }
     }
 
     /// Fits a patch from several points on, so that the sum of squares comes below what is wanted; nothing where it can be run
@@ -192,10 +212,15 @@ impl Problem {
         let most_rounds = from.effort.rounds;
         let task = Task { wanted, most_rounds, ..self.task(&model, &self.train, true) };
         let whole = in_pieces.as_ref().map(|point| self.joined_up(point));
-        let fits = whole
-            .iter()
-            .chain(task.nearest(&from.starts, from.effort.starts))
-            .filter_map(|start| task.fit(start));
+        let grown = |start: &Point, until: f64| {
+            let part = Task { until, wanted: f64::INFINITY, ..task };
+            part.fit(start).map(|fitted| fitted.point)
+        };
+        let fit = |start: &Point| {
+            let mut shares = from.effort.shares.iter();
+            task.fit(&shares.try_fold(start.clone(), |at, until| grown(&at, *until))?)
+        };
+        let fits = whole.iter().chain(task.nearest(&from.starts, from.effort.starts)).filter_map(fit);
         let Some(train) = fits.min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { return Ok(None) };
         let test = self.held(&version, &train.point, from.held)?;
         Ok(test.map(|test| Stage { version, train, test, in_pieces }))
@@ -261,7 +286,7 @@ impl Problem {
         let starts: Vec<Point> = settled.chain([first.clone()]).collect();
         let from = From::starts(starts);
         let Some(stage) = self.stage(version, from, f64::INFINITY)? else { return Ok(None) };
-        if self.is_cut || stage.train.chi2 < FAR * FAR * stage.train.count as f64 {
+        if self.is_cut || !stage.is_far() {
             return Ok(Some(stage));
         }
         self.over_pieces(stage).map(Some)

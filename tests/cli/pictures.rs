@@ -11,10 +11,11 @@ const COULOMB: &str = "patches/thesis/fig-8-16-coulomb.json";
 const LAG_LAST: &str = "patches/thesis/fig-8-16-lag-last.json";
 const SINGH: &str = "patches/others/singh.json";
 const NAKASHIMA: &str = "patches/others/nakashima.json";
+const FOUND: &str = "tests/gap/story/found.json";
 const BOTH: &str = "patches/thesis/fig-8-16-both.json";
 
 /// Commands and the pictures that they draw; those of lessons are held fresh by `tests/lessons`.
-const PICTURES: [(&[&str], &str); 14] = [
+const PICTURES: [(&[&str], &str); 17] = [
     (&["run", FIG_8_16], "fig-8-16.svg"),
     (&["run", COULOMB], "fig-8-16-coulomb.svg"),
     (&["run", BOTH], "fig-8-16-both.svg"),
@@ -29,6 +30,9 @@ const PICTURES: [(&[&str], &str); 14] = [
     (&["run", NAKASHIMA, "--set", "v_set=9e-3"], "nakashima.steady.svg"),
     (&["draw", NAKASHIMA], "nakashima.schematic.svg"),
     (&SLIDEWAY, "slideway.svg"),
+    (&["run", FIG_8_04, "--set", "M=433", "--set", "K=45e6", "--set", "f=10.7e3"], "story.linear.svg"),
+    (&["run", FOUND], "story.svg"),
+    (&["draw", FOUND], "story.schematic.svg"),
 ];
 
 #[test]

@@ -8,6 +8,7 @@ mod mutated;
 mod reading;
 mod search;
 mod spoilt;
+mod story;
 mod r#where;
 
 use std::collections::HashSet;

@@ -1,0 +1,157 @@
+//! The thesis re-enacted: Figs 8.4 and 8.14 beside data that the law of Fig 8.16 made, in patches/story.
+
+use std::fs;
+use std::path::Path;
+
+use patchcord::circuit::Circuit;
+use patchcord::gap::Experiment;
+use patchcord::gap::candidate::Candidate;
+use patchcord::gap::effect::Library;
+use patchcord::gap::graft::{Attached, Role};
+use patchcord::gap::reach::Largest;
+use patchcord::gap::search::{Means, Outcome, Verdict};
+use patchcord::gap::site::Sites;
+use patchcord::gap::stage::Problem;
+use patchcord::patch::{Edit, Patch, Phase, Unit};
+use patchcord::program::Program;
+use patchcord::solve::{self, RunSettings};
+use serde_json::json;
+
+/// What patches/story/slide.py made the data with, by the names of Fig 8.16.
+const TRUTH: [(&str, f64); 6] =
+    [("M", 433.0), ("K", 45e6), ("f", 10.7e3), ("Fs", 771.0), ("VcL", 10.16e-3), ("Tc", 6.5e-3)];
+/// The same by the names of Fig 8.4 with friction that remembers.
+const RENAMED: [(&str, f64); 7] =
+    [("M", 433.0), ("K", 45e6), ("f", 10.7e3), ("dF", 771.0), ("V0", 10.16e-3), ("Tc", 6.5e-3), ("Fc", 0.0)];
+
+fn experiment(figure: &str) -> Experiment {
+    let file = format!("patches/story/from-{figure}.experiment.json");
+    Experiment::read(Path::new(&file)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn thesis(figure: &str) -> Patch {
+    Patch::read(Path::new(&format!("patches/thesis/{figure}.json"))).unwrap()
+}
+
+/// A few of the effects of the program, so that a search takes seconds.
+fn library(effects: &[&str]) -> Library {
+    let folder = tempfile::tempdir().unwrap();
+    for effect in effects {
+        let file = format!("{effect}.json");
+        fs::copy(Path::new("patches/effects").join(&file), folder.path().join(&file)).unwrap();
+    }
+    Library::default().and_folder(folder.path()).unwrap()
+}
+
+fn searched(figure: &str, effects: &[&str]) -> (Problem, Outcome) {
+    let experiment = experiment(figure);
+    let problem = Problem::of(&experiment).unwrap();
+    let library = library(effects);
+    let with = Means { library: &library, threads: 2, seed: 1 };
+    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_, _| ()).unwrap().unwrap();
+    (problem, found)
+}
+
+/// That every parameter named here was found to this share of its true value.
+fn found_near(outcome: &Outcome, truth: &[(&str, f64)], share: f64) {
+    let stage = outcome.told();
+    for (name, wanted) in truth {
+        let place = stage.version.fit.iter().position(|own| own == name);
+        let Some(place) = place else { continue };
+        let value = stage.train.point.knobs[place];
+        assert!((value - wanted).abs() < share * wanted, "{name}: {value}, not {wanted}");
+    }
+}
+
+/// A command that the data do not hold: up to 10 mm/s and back within a second.
+const COMMAND: [(&str, f64); 4] = [("v_start", 0.0), ("v_rate", 20e-3), ("v_turn", 0.5), ("x_step", 0.0)];
+
+/// Velocity and position error of a patch under that command.
+fn commanded(patch: &Patch, set: &[(&str, f64)]) -> [Vec<f64>; 2] {
+    let set: Vec<_> = COMMAND.iter().chain(set).map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    let circuit = Circuit::new(patch, &set).unwrap_or_else(|report| panic!("{report}"));
+    let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
+    let names = ["v_o", "x_error"].map(str::to_owned);
+    let settings = RunSettings {
+        phases: vec![Phase::InitialCondition, Phase::operate(1.0)],
+        step: 2e-5,
+        every: 1e-3,
+        record: names.to_vec(),
+        ..RunSettings::of(&circuit).unwrap()
+    };
+    let trace = solve::run(&program, &settings).unwrap();
+    names.map(|name| trace.values(&name).unwrap())
+}
+
+/// The largest difference between two runs, as a share of the largest value.
+fn apart(one: &[Vec<f64>; 2], other: &[Vec<f64>; 2]) -> f64 {
+    let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |most: f64, own| most.max(own.abs()));
+    let share = |(one, other): (&Vec<f64>, &Vec<f64>)| {
+        let pairs = one.iter().zip(other);
+        most(&mut pairs.map(|(a, b)| a - b)) / most(&mut other.iter().copied())
+    };
+    most(&mut one.iter().zip(other).map(share))
+}
+
+#[test]
+fn the_data_are_those_of_fig_8_16_and_noise() {
+    let mut experiment = experiment("fig-8-14");
+    let edits = TRUTH.map(|(name, value)| Edit {
+        path: ["parameters", name, "value"].map(str::to_owned).to_vec(),
+        value: json!(value),
+    });
+    experiment.patch = thesis("fig-8-16").edited("fig-8-16.json", &edits).unwrap();
+    experiment.fit.clear();
+    let problem = Problem::of(&experiment).unwrap();
+    let stage = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
+    for fitted in [&stage.train, &stage.test] {
+        let over = (fitted.chi2 / fitted.count as f64).sqrt();
+        assert!((over - 1.0).abs() < 0.05, "{over}");
+    }
+}
+
+/// Fig 8.4 with the memory of friction as the width of a dead zone of the spring force.
+fn augmented() -> Patch {
+    let patch = thesis("fig-8-04");
+    let circuit = Circuit::new(&patch, &[]).unwrap();
+    let sites = Sites::of(&circuit, &["v_i"]);
+    let library = library(&["friction-memory"]);
+    let all = Attached::all(library.get("friction-memory").unwrap(), &sites);
+    let attached = all.iter().find(|attached| attached.reads() == ["spring_force"]).unwrap();
+    let told = |(name, role): (&'static str, Role<'_>)| {
+        Largest::of(name, role.unit().clone(), [0.0, 10.0 * role.per_volt()])
+    };
+    let sample = Largest::of("sample", Unit::parse("s").unwrap(), [0.0, 1e-3]);
+    let largest: Vec<_> = attached.place.roles().into_iter().map(told).chain([sample]).collect();
+    Candidate::new(attached, &patch, &largest, &[]).unwrap().unwrap().graft.patch
+}
+
+#[test]
+fn fig_8_4_with_that_memory_wired_in_is_fig_8_16() {
+    let wanted = commanded(&thesis("fig-8-16"), &TRUTH);
+    let found = commanded(&augmented(), &RENAMED);
+    assert!(apart(&found, &wanted) < 1e-6, "{}", apart(&found, &wanted));
+    let told = Patch::read(Path::new("tests/gap/story/found.json")).unwrap();
+    let near = apart(&commanded(&told, &[]), &wanted);
+    assert!(near < 0.03, "{near}");
+    // Without memory it is another thing.
+    let without = commanded(&thesis("fig-8-14"), &TRUTH[..5]);
+    assert!(apart(&without, &wanted) > 0.1);
+}
+
+const FRICTION: [&str; 4] = ["coulomb-friction", "friction-memory", "stribeck-friction", "viscous-friction"];
+
+#[test]
+fn from_fig_8_14_the_memory_is_named_where_the_thesis_has_it() {
+    let (problem, found) = searched("fig-8-14", &FRICTION);
+    assert_eq!(found.verdict, Verdict::Named);
+    let document = found.document(&problem);
+    let effects = document["effects"].as_array().unwrap();
+    assert_eq!(effects.len(), 1);
+    assert_eq!((&effects[0]["name"], &effects[0]["junction"]), (&json!("friction-memory"), &json!("X1")));
+    found_near(&found, &TRUTH, 0.01);
+    assert!(problem.gap(&found.base) > 20.0 && problem.gap(found.told()) < 0.5);
+    // Behind the square it would be another law.
+    let behind = found.rounds[0].trials.iter().find(|trial| trial.candidate.junction == "M1").unwrap();
+    assert!(problem.gap(&behind.stage) > 4.0);
+}
