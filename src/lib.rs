@@ -27,6 +27,7 @@ extern crate self as patchcord;
 
 pub mod chain;
 pub mod circuit;
+mod delay_line;
 pub mod elements;
 pub mod gap;
 mod grid;

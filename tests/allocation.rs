@@ -123,6 +123,7 @@ fn steps_side_by_side_allocate_nothing() {
         ("fig-8-16", slideway(), ("VcL", 2e-3, 1e-4)),
         ("relay-oscillator", patch("relay-oscillator"), ("slope", 80.0, 2.0)),
         ("mass-and-spring", lesson("mass-and-spring"), ("k", 10.0, 5.0)),
+        ("delay-line", patch("delay-line"), ("T", 0.8, 0.05)),
     ];
     for (name, patch, (parameter, least, by)) in &cases {
         let mut programs = vec![program(patch, &[]); 16];

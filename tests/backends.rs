@@ -106,6 +106,44 @@ fn curves_through_points() {
     }
 }
 
+/// The largest difference between the folded backends and the reference, where two delays are so many steps long.
+fn late(own: &Program, settings: &RunSettings, [t, f]: [f64; 2]) -> f64 {
+    let mut program = own.clone();
+    solve::preset(&mut program, &[("T", t * settings.step), ("F", f * settings.step)]).unwrap();
+    let (folded, reference) = both(&program, settings);
+    // The same was met on the way.
+    let [own, other] = [&folded, &reference].map(|trace| trace.sweeps[0].work);
+    assert_eq!((own.changes, own.crossings), (other.changes, other.crossings), "{t} and {f} steps");
+    difference(&folded, &reference)
+}
+
+/// Delays of whole steps and of others, as short as a step and longer than the run, recorded at every step and within steps.
+#[test]
+fn delays() {
+    let straight = common::late(element("summer").cords("x1", ["D1", "A2"]));
+    for (patch, grids, most) in [
+        (straight, [(1e-3, 1e-3), (1e-3, 2.3e-3), (2.5e-3, 1e-2), (7e-4, 1e-3)], 1e-11),
+        // Where a step ends on a corner, the reference's stages may be bent there: shorter steps leave rounding only.
+        (common::late_and_bent(), [(2e-4, 1e-3), (1e-4, 2.3e-3), (1.25e-4, 1.25e-4), (7e-5, 1e-3)], 1e-9),
+    ] {
+        let circuit = circuit(&patch, &[]);
+        let own = Program::new(&circuit).unwrap();
+        let record = ["D1", "D2", "L", "S", "A1", "A2"].map(str::to_owned).to_vec();
+        let times = [1.0, 1.5, 2.0, 2.71, 4.0, 17.0, 23.45, 700.0];
+        for (step, every) in grids {
+            let settings =
+                RunSettings { step, every, record: record.clone(), ..RunSettings::of(&circuit).unwrap() };
+            for (place, t) in times.into_iter().enumerate() {
+                let f = times[(5 * place + 3) % times.len()];
+                // No delay is declared to be shorter than 0.1 ms.
+                let both = [t, f].map(|steps| f64::max(steps, 1.01e-4 / step));
+                let found = late(&own, &settings, both);
+                assert!(found <= most, "{both:?} steps of {step}, every {every}: {found:e} V");
+            }
+        }
+    }
+}
+
 /// An amplifier that passes 100 V for a while: the kernel ends there, and holds again.
 #[test]
 fn overloads_are_the_same() {

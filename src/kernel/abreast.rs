@@ -1,5 +1,7 @@
 //! Frames of one kernel side by side, a lane each, that go quiet steps together.
 
+use std::mem;
+
 use super::Kernel;
 use super::frame::Frame;
 use super::lane::{Abreast, Lane};
@@ -29,7 +31,8 @@ impl Formation {
 
     /// When it is.
     pub fn time(&self) -> f64 {
-        self.frame.time
+        // All stand at the same instant, those that have left with them.
+        self.frame.time.get(0)
     }
 
     /// A bit for every lane that met something in the step before which the others stopped.
@@ -38,9 +41,10 @@ impl Formation {
     }
 
     /// Puts a frame into its lane; all stand at the same instant.
-    pub fn board(&mut self, kernel: &Kernel, lane: usize, one: &Frame<f64>) {
+    pub fn board(&mut self, kernel: &Kernel, lane: usize, one: &mut Frame<f64>) {
         let all = &mut self.frame;
-        (all.time, all.aboard) = (one.time, all.aboard | 1 << lane);
+        (all.time, all.aboard) = (Abreast::splat(one.time), all.aboard | 1 << lane);
+        mem::swap(&mut all.lines[lane], &mut one.lines[0]);
         let standing = [0..kernel.layout.states, kernel.layout.kept..kernel.layout.results];
         for slots in standing {
             put(&mut all.slots[slots.clone()], lane, &one.slots[slots]);
@@ -57,7 +61,8 @@ impl Formation {
     /// Takes a frame out of its lane, as it is at the beginning of the step looked at.
     pub fn leave(&mut self, kernel: &Kernel, lane: usize, one: &mut Frame<f64>) {
         let all = &mut self.frame;
-        (one.time, all.aboard) = (all.time, all.aboard & !(1 << lane));
+        (one.time, all.aboard) = (all.time.get(lane), all.aboard & !(1 << lane));
+        mem::swap(&mut all.lines[lane], &mut one.lines[0]);
         let kept = kernel.layout.kept..kernel.layout.levels;
         take(&all.slots[kept.clone()], lane, &mut one.slots[kept]);
         take(&all.states, lane, &mut one.states);
@@ -74,16 +79,17 @@ impl Formation {
 
     /// Shows a frame when its lane is, and what is recorded as it was worked out last.
     pub fn show(&self, kernel: &Kernel, lane: usize, one: &mut Frame<f64>) {
-        one.time = self.frame.time;
+        one.time = self.frame.time.get(lane);
         for seen in &kernel.seen {
             let slot = seen.slot as usize;
             one.slots[slot] = self.frame.slots[slot].get(lane);
         }
     }
 
-    /// Takes the step in which some met something; these have left.
-    pub fn go_without(&mut self, kernel: &Kernel, time: f64) {
-        kernel.take_quietly(&mut self.frame, time);
+    /// Takes the step in which some met something, or the piece of it; these have left. Tells whether all have come to the
+    /// end of the step at a time: others may meet something in the rest of it.
+    pub fn go_without(&mut self, kernel: &Kernel, tables: &[Vec<[f64; 2]>], end: f64) -> bool {
+        kernel.go_on(&mut self.frame, tables, end)
     }
 
     /// Sets states that are smaller than something to 0.

@@ -14,6 +14,8 @@ pub(super) struct Terms {
     pub nodes: Vec<Node>,
     pub rates: Vec<Operand>,
     pub kept: Vec<Operand>,
+    /// What goes into the delay lines.
+    pub stored: Vec<Operand>,
     pub seen: Vec<Operand>,
     pub bounds: Bounds,
     /// What bends the curves of rates and kept values.
@@ -79,11 +81,12 @@ fn uses(program: &Program) -> Vec<u32> {
     uses
 }
 
-/// Of every register, whether a rate or what is kept depends on it while no amplifier is overloaded.
+/// Of every register, whether a rate or what is kept or delayed depends on it while no amplifier is overloaded.
 fn needed(program: &Program, outputs: &HashMap<Register, Register>) -> Vec<bool> {
     let mut needed = vec![false; program.body.len()];
     let rates = program.states.iter().map(|state| state.rate);
-    for register in rates.chain(program.kept.iter().map(|kept| kept.next)) {
+    let delayed = program.delays.iter().map(|delay| delay.input);
+    for register in rates.chain(program.kept.iter().map(|kept| kept.next)).chain(delayed) {
         needed[register.index()] = true;
     }
     for at in (0..needed.len()).rev() {
@@ -108,7 +111,7 @@ pub(super) struct Folder<'a> {
     /// What every register of the body is.
     forms: Vec<Form>,
     uses: Vec<u32>,
-    /// Of every register, whether a rate or what is kept depends on it.
+    /// Of every register, whether a rate or what is kept or delayed depends on it.
     needed: Vec<bool>,
     pub corners: Vec<Corner>,
     /// Of what is compared with 0, its side.
@@ -133,6 +136,7 @@ impl Folder<'_> {
             Op::Mode(index) => Form::still(Factor::Number(self.modes[index as usize])),
             Op::State(index) => self.node(Node::State(index)),
             Op::Time => self.node(Node::Time),
+            Op::Delayed(index) => self.node(Node::Delayed(index)),
             Op::Kept(index) => self.node(Node::Kept(index)),
             Op::Level(index) => self.node(Node::Level(index)),
             Op::Add(a, b) => self.early.sum(&self.forms[a.index()], &self.forms[b.index()], Factor::ONE),
@@ -351,7 +355,7 @@ impl Folder<'_> {
             Op::Absolute(a) => Node::Absolute(self.read(a)),
             Op::Call(function, a, b) => Node::Call(function, self.read(a), self.read(b)),
             Op::Table(table, at) => Node::Table(table, self.read(at)),
-            _ => unreachable!("a kernel is folded of programs without loops and delay lines"),
+            _ => unreachable!("a kernel is folded of programs without loops"),
         };
         self.node(node)
     }
@@ -403,9 +407,10 @@ impl Folder<'_> {
         let program = self.program;
         let rates: Vec<Operand> = program.states.iter().map(|state| self.read(state.rate)).collect();
         let kept: Vec<Operand> = program.kept.iter().map(|kept| self.read(kept.next)).collect();
+        let stored = program.delays.iter().map(|delay| self.read(delay.input)).collect();
         let seen = seen.iter().map(|register| self.read(*register)).collect();
         let bounds = self.bounds();
         let Folder { early, nodes, corners, scheduled, .. } = self;
-        Terms { early, nodes, rates, kept, seen, bounds, corners, scheduled }
+        Terms { early, nodes, rates, kept, stored, seen, bounds, corners, scheduled }
     }
 }

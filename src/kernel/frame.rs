@@ -5,13 +5,15 @@ use super::lane::Lane;
 use super::rows::Rows;
 use super::schedules::Schedule;
 use super::{Kernel, Layout};
+use crate::delay_line::DelayLine;
 
 /// The numbers of a kernel that runs.
 #[derive(Debug, Clone)]
 pub(crate) struct Frame<V> {
     /// Factors, what is given, results.
     pub(super) slots: Vec<V>,
-    pub time: f64,
+    /// When it is: in all lanes the same but within a step that is gone in pieces.
+    pub time: V,
     /// The states of now, and their rates.
     pub states: Vec<V>,
     pub rates: Vec<V>,
@@ -43,6 +45,8 @@ pub(crate) struct Frame<V> {
     pub(super) schedules: Vec<Schedule>,
     /// What they give in the middle of a look of native code, and at its end.
     pub(super) ahead: Vec<f64>,
+    /// The delay lines of every lane.
+    pub lines: Vec<Vec<DelayLine>>,
     /// A bit for every lane that counts: what is met in others is not looked at.
     pub(super) aboard: u64,
     /// A bit for every lane in which something was met at the end of quiet steps.
@@ -74,7 +78,7 @@ impl Kernel {
         let states = self.rates.len();
         Frame {
             slots: zeros(self.layout.all),
-            time: 0.0,
+            time: V::splat(0.0),
             states: zeros(states),
             rates: zeros(states),
             last: Stretch { begin: 0.0, end: 0.0, states: zeros(states), rates: zeros(states) },
@@ -92,6 +96,7 @@ impl Kernel {
             rows: Rows::default(),
             schedules: self.scheduled.iter().copied().map(Schedule::of).collect(),
             ahead: vec![0.0; 2 * self.scheduled.len()],
+            lines: vec![Vec::new(); V::COUNT],
             aboard: 1,
             beyond: 0,
         }
@@ -106,7 +111,7 @@ impl Kernel {
     /// What is worked out next is worked out where the frame is.
     pub fn stay<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>]) {
         frame.slots[self.layout.states..self.layout.time].copy_from_slice(&frame.states);
-        self.put_instant(frame, tables, frame.time);
+        self.put_instant(frame, tables, frame.time, DelayLine::next_from);
     }
 
     /// When the last stretch that was gone alone began, and how long it was. It ends where the frame is.
@@ -130,7 +135,7 @@ impl Kernel {
             let end = frame.states[index] * states[1] + frame.rates[index] * rates[1];
             frame.slots[self.layout.states + index] = begin + end;
         }
-        self.put_instant(frame, tables, time);
+        self.put_instant(frame, tables, time, DelayLine::next_until);
     }
 }
 

@@ -2,6 +2,8 @@
 
 /// Numbers that operations work on together. Each is rounded as if it stood alone.
 pub(crate) trait Lane: Copy {
+    /// How many numbers they are.
+    const COUNT: usize;
     /// Of each number, whether something holds of it.
     type Truth: Copy;
     /// It holds of all.
@@ -23,6 +25,10 @@ pub(crate) trait Lane: Copy {
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         self.map(other, |a, b| a + b)
+    }
+    #[inline(always)]
+    fn subtract(self, other: Self) -> Self {
+        self.map(other, |a, b| a - b)
     }
     #[inline(always)]
     fn multiply(self, other: Self) -> Self {
@@ -60,6 +66,7 @@ pub(crate) trait Lane: Copy {
 }
 
 impl Lane for f64 {
+    const COUNT: usize = 1;
     type Truth = bool;
     const TRUE: bool = true;
 
@@ -122,6 +129,7 @@ impl<const N: usize> Abreast<N> {
 }
 
 impl<const N: usize> Lane for Abreast<N> {
+    const COUNT: usize = N;
     // 1 where it holds, else 0: it is kept where the numbers are.
     type Truth = Self;
     const TRUE: Self = Abreast([1.0; N]);

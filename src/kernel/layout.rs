@@ -65,7 +65,8 @@ impl Layouter {
 
     fn list_factors(&mut self) {
         let folded = &self.folded;
-        let outputs = folded.rates.iter().chain(&folded.kept).chain(&folded.seen).copied();
+        let outputs =
+            folded.rates.iter().chain(&folded.kept).chain(&folded.stored).chain(&folded.seen).copied();
         let bounds = folded.bounds.all.iter().flat_map(|(_, low, high)| [*low, *high].map(Operand::Factor));
         let all = outputs.chain(bounds).chain(folded.nodes.iter().flat_map(Node::operands));
         for operand in all {
@@ -82,7 +83,8 @@ impl Layouter {
         let states = self.factors.len();
         let time = states + program.states.len();
         let scheduled = time + 1;
-        let kept = scheduled + self.folded.scheduled.len();
+        let delayed = scheduled + self.folded.scheduled.len();
+        let kept = delayed + program.delays.len();
         let levels = kept + program.kept.len();
         let results = levels + program.levels.len();
         let mut next = results;
@@ -91,6 +93,7 @@ impl Layouter {
                 Node::State(index) => states as Slot + index,
                 Node::Time => time as Slot,
                 Node::Scheduled(index) => scheduled as Slot + index,
+                Node::Delayed(index) => delayed as Slot + index,
                 Node::Kept(index) => kept as Slot + index,
                 Node::Level(index) => levels as Slot + index,
                 _ => {
@@ -99,7 +102,7 @@ impl Layouter {
                 }
             });
         }
-        self.layout = Layout { states, time, scheduled, kept, levels, results, all: next };
+        self.layout = Layout { states, time, scheduled, delayed, kept, levels, results, all: next };
     }
 
     pub fn operand(&self, operand: Operand) -> Slot {
@@ -132,6 +135,7 @@ impl Layouter {
             thorough: self.checks(&done, &watched_atoms, watched_in_middle, atoms(&folded.seen)),
             rates: slots(&folded.rates),
             kept: slots(&folded.kept),
+            stored: slots(&folded.stored),
             seen,
             followed: followed.into_iter().map(slot).collect(),
             watches: watched.into_iter().map(|(atom, what)| Watch { slot: slot(atom), what }).collect(),
@@ -180,7 +184,7 @@ impl Layouter {
     }
 
     /// What is worked out to look at some atoms, beyond what is done: the first of them in the middle of a step too. At
-    /// its end also what is kept, and what is seen.
+    /// its end also what is kept or delayed, and what is seen.
     fn checks(
         &self,
         done: &[bool],
@@ -189,7 +193,7 @@ impl Layouter {
         seen: impl Iterator<Item = Atom>,
     ) -> Checks {
         let mut done = done.to_vec();
-        let ending = atoms(&self.folded.kept).chain(seen);
+        let ending = atoms(&self.folded.kept).chain(atoms(&self.folded.stored)).chain(seen);
         Checks {
             middle: self.code(&mut done, looked_at[..in_middle].iter().copied()),
             ending: self.code(&mut done, looked_at[in_middle..].iter().copied().chain(ending)),
@@ -213,7 +217,12 @@ impl Layouter {
     fn emit(&self, node: &Node, out: Slot, code: &mut Code) {
         let of = |operand: &Operand| self.operand(*operand);
         let instruction = match node {
-            Node::State(_) | Node::Time | Node::Scheduled(_) | Node::Kept(_) | Node::Level(_) => return,
+            Node::State(_)
+            | Node::Time
+            | Node::Scheduled(_)
+            | Node::Delayed(_)
+            | Node::Kept(_)
+            | Node::Level(_) => return,
             Node::Sum(form) => self.sum(form, out, code),
             Node::Multiply(a, b) => Instruction::Multiply { out, a: of(a), b: of(b) },
             Node::Minimum(a, b) => Instruction::Minimum { out, a: of(a), b: of(b) },

@@ -11,6 +11,7 @@ mod abreast;
 mod backend;
 mod bounds;
 mod code;
+mod echoes;
 mod fold;
 mod form;
 mod frame;
@@ -28,6 +29,7 @@ mod posts;
 mod rows;
 mod schedules;
 mod sides;
+mod span;
 mod step;
 mod store;
 #[cfg(test)]
@@ -68,6 +70,8 @@ pub(crate) struct Kernel {
     thorough: Checks,
     pub rates: Vec<Slot>,
     pub kept: Vec<Slot>,
+    /// What goes into the delay lines.
+    stored: Vec<Slot>,
     /// What is recorded.
     pub seen: Vec<Seen>,
     /// The voltages that this follows, whose extremes are looked for.
@@ -88,6 +92,7 @@ pub(crate) struct Layout {
     pub states: usize,
     pub time: usize,
     pub scheduled: usize,
+    pub delayed: usize,
     pub kept: usize,
     pub levels: usize,
     pub results: usize,
@@ -160,9 +165,9 @@ impl Watched {
 }
 
 impl Kernel {
-    /// Whether a program has kernels: one with loops or delay lines has none.
+    /// Whether a program has kernels: one with loops has none.
     pub fn can_be_of(program: &Program) -> bool {
-        program.loops.is_empty() && program.delays.is_empty()
+        program.loops.is_empty()
     }
 
     /// The kernel of a program in these modes, which also gives the voltages of these registers.

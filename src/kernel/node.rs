@@ -17,6 +17,8 @@ pub(super) enum Node {
     Time,
     /// What a table gives that is looked up at time itself, by its place among these.
     Scheduled(u32),
+    /// What comes out of a delay line.
+    Delayed(u32),
     Kept(u32),
     Level(u32),
     Sum(Form),
@@ -31,7 +33,12 @@ pub(super) enum Node {
 impl Node {
     pub fn operands(&self) -> Vec<Operand> {
         match self {
-            Node::State(_) | Node::Time | Node::Scheduled(_) | Node::Kept(_) | Node::Level(_) => Vec::new(),
+            Node::State(_)
+            | Node::Time
+            | Node::Scheduled(_)
+            | Node::Delayed(_)
+            | Node::Kept(_)
+            | Node::Level(_) => Vec::new(),
             Node::Sum(form) => {
                 let terms = form.terms.iter();
                 let constant = [Operand::Factor(form.constant)];

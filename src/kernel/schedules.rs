@@ -4,6 +4,7 @@
 use super::Kernel;
 use super::frame::Frame;
 use super::lane::Lane;
+use crate::delay_line::DelayLine;
 use crate::program::segment_after;
 
 /// A table and the piece of it that holds in the present step.
@@ -50,8 +51,14 @@ impl Schedule {
 
     /// What it gives at a time, as the table would on this piece.
     #[inline(always)]
-    fn at(&self, time: f64) -> f64 {
-        self.ordinate + self.slope * (time - self.origin)
+    fn at<V: Lane>(&self, time: V) -> V {
+        let [ordinate, slope, origin] = [self.ordinate, self.slope, self.origin].map(V::splat);
+        ordinate.add(slope.multiply(time.subtract(origin)))
+    }
+
+    /// Whether its piece ends by a time.
+    pub fn ends_by(&self, time: f64) -> bool {
+        self.until <= time
     }
 }
 
@@ -66,17 +73,24 @@ impl Kernel {
 
     /// Puts a time into the slots, and what the tables of time give there on their present pieces.
     #[inline(always)]
-    pub(super) fn put_time<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
-        frame.slots[self.layout.time] = V::splat(time);
+    pub(super) fn put_time<V: Lane>(&self, frame: &mut Frame<V>, time: V) {
+        frame.slots[self.layout.time] = time;
         for (index, schedule) in frame.schedules.iter().enumerate() {
-            frame.slots[self.layout.scheduled + index] = V::splat(schedule.at(time));
+            frame.slots[self.layout.scheduled + index] = schedule.at(time);
         }
     }
 
-    /// The same on the pieces that hold there.
-    pub(super) fn put_instant<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], time: f64) {
-        self.go_to_pieces(frame, tables, time);
+    /// The same on the pieces that hold there, and what the delay lines give.
+    pub(super) fn put_instant<V: Lane>(
+        &self,
+        frame: &mut Frame<V>,
+        tables: &[Vec<[f64; 2]>],
+        time: V,
+        output: fn(&mut DelayLine, f64) -> f64,
+    ) {
+        self.go_to_pieces(frame, tables, time.get(0));
         self.put_time(frame, time);
+        self.put_delayed(frame, time, output);
     }
 }
 

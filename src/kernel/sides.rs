@@ -215,9 +215,12 @@ fn beyond(value: f64, slope: f64) -> f64 {
 
 /// Of a range of numbers x, those for which slope x + room is not below 0.
 fn narrowed([low, high]: [f64; 2], slope: f64, room: f64) -> [f64; 2] {
+    let edge = -room / slope;
+    // The smallest numbers lose by division what tells them from 0.
+    let is_beyond = slope.mul_add(edge, room) < 0.0;
     match slope {
-        slope if slope > 0.0 => [low.max(-room / slope), high],
-        slope if slope < 0.0 => [low, high.min(-room / slope)],
+        slope if slope > 0.0 => [low.max(if is_beyond { edge.next_up() } else { edge }), high],
+        slope if slope < 0.0 => [low, high.min(if is_beyond { edge.next_down() } else { edge })],
         _ => [low, high],
     }
 }
@@ -251,5 +254,12 @@ mod tests {
             assert!(beyond(value, 1.0) < value && beyond(value, -1.0) > value, "{value}");
         }
         assert_eq!(beyond(0.0, -1.0), BEYOND);
+    }
+
+    #[test]
+    fn a_range_ends_before_what_is_met_at_0() {
+        let just_below = -5e-324;
+        assert_eq!(narrowed([-10.0, 10.0], -2.0, just_below), [-10.0, just_below]);
+        assert_eq!(narrowed([-10.0, 10.0], 2.0, just_below), [-just_below, 10.0]);
     }
 }

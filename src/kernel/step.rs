@@ -4,7 +4,9 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::frame::{Extremes, Frame};
 use super::lane::Lane;
+use super::span::Span;
 use super::{Checks, Kernel};
+use crate::delay_line::DelayLine;
 use crate::grid::{Grid, SAME};
 
 /// The share of a step's length for which its first rate counts, and its last. Multiplied by: a quotient takes longer.
@@ -25,9 +27,11 @@ impl Kernel {
     /// Looks ahead by a step of this length that ends at a time, and at every watch.
     #[inline(always)]
     fn look(&self, frame: &mut Frame<f64>, tables: &[Vec<[f64; 2]>], length: f64, end: f64) -> Look {
-        self.to_middle(frame, tables, length, &self.thorough);
+        let span = Span::same(frame.time, length, end);
+        self.go_to_pieces(frame, tables, span.middle);
+        self.to_middle(frame, tables, &span, &self.thorough);
         let within = self.rest(frame, self.thorough.in_middle);
-        self.to_end(frame, tables, [length, end], &self.thorough);
+        self.to_end(frame, tables, &span, &self.thorough);
         match (within, self.rest(frame, self.thorough.all)) {
             (_, false) => Look::Ahead,
             (false, true) => Look::Within,
@@ -35,36 +39,35 @@ impl Kernel {
         }
     }
 
-    /// Works out where half a step of this length leads to, and what is checked there.
+    /// Works out where half of a stretch leads to, and what is checked there.
     #[inline(always)]
     fn to_middle<V: Lane>(
         &self,
         frame: &mut Frame<V>,
         tables: &[Vec<[f64; 2]>],
-        length: f64,
+        span: &Span<V>,
         checks: &Checks,
     ) {
-        let (half, middle) = (V::splat(0.5 * length), frame.time + 0.5 * length);
-        self.go_to_pieces(frame, tables, middle);
-        self.put_time(frame, middle);
-        self.stage(frame, tables, 0, half);
-        self.stage(frame, tables, 1, half);
+        self.put_time(frame, span.middle);
+        self.put_delayed(frame, span.middle, DelayLine::next_until);
+        self.stage(frame, tables, 0, span.half);
+        self.stage(frame, tables, 1, span.half);
         checks.middle.run(&mut frame.slots, tables);
     }
 
-    /// Goes on from there to where the whole step leads, which ends at a time: to states and their rates, and what is
-    /// checked there.
+    /// Goes on from there to where the whole stretch leads: to states and their rates, and what is checked there.
     #[inline(always)]
     fn to_end<V: Lane>(
         &self,
         frame: &mut Frame<V>,
         tables: &[Vec<[f64; 2]>],
-        [length, end]: [f64; 2],
+        span: &Span<V>,
         checks: &Checks,
     ) {
-        self.put_time(frame, end);
-        self.stage(frame, tables, 2, V::splat(length));
-        let sixth = V::splat(length * SIXTH);
+        self.put_time(frame, span.end);
+        self.put_delayed(frame, span.end, DelayLine::next_until);
+        self.stage(frame, tables, 2, span.length);
+        let sixth = span.sixth;
         let two = V::splat(2.0);
         for state in 0..frame.states.len() {
             let [second, third, fourth] = [0, 1, 2].map(|stage| frame.stages[stage][state]);
@@ -132,29 +135,66 @@ impl Kernel {
         V::failing(fenced)
     }
 
-    /// Makes the step looked at the present.
+    /// Makes the stretch looked at the present.
     #[inline(always)]
-    fn accept<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
-        frame.states.copy_from_slice(&frame.slots[self.layout.states..self.layout.time]);
-        let [.., end] = &frame.stages;
-        frame.rates.copy_from_slice(end);
-        for (index, slot) in self.kept.iter().enumerate() {
-            frame.slots[self.layout.kept + index] = frame.slots[*slot as usize];
+    fn accept<V: Lane>(&self, frame: &mut Frame<V>, span: &Span<V>) {
+        self.see(frame, span);
+        self.store(frame, span);
+        let after = &frame.slots[self.layout.states..self.layout.time];
+        for (state, after) in frame.states.iter_mut().zip(after) {
+            *state = span.gone(*after, *state);
         }
-        frame.time = time;
+        let [.., end] = &frame.stages;
+        for (rate, end) in frame.rates.iter_mut().zip(end) {
+            *rate = span.gone(*end, *rate);
+        }
+        for (index, slot) in self.kept.iter().enumerate() {
+            let place = self.layout.kept + index;
+            frame.slots[place] = span.gone(frame.slots[*slot as usize], frame.slots[place]);
+        }
+        frame.time = span.end;
     }
 
-    /// Sees the voltages that are followed at the step looked at, which ends at a time.
+    /// Sees the voltages that are followed at the end of the stretch looked at.
     #[inline(always)]
-    pub fn see<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
-        let now = V::splat(time);
+    fn see<V: Lane>(&self, frame: &mut Frame<V>, span: &Span<V>) {
+        let now = span.end;
         let Extremes { least, least_at, most, most_at } = &mut frame.extremes;
         for (index, slot) in self.followed.iter().enumerate() {
             let value = frame.slots[*slot as usize];
-            least_at[index] = V::select_below(value, least[index], now, least_at[index]);
-            least[index] = V::select_below(value, least[index], value, least[index]);
-            most_at[index] = V::select_below(most[index], value, now, most_at[index]);
-            most[index] = V::select_below(most[index], value, value, most[index]);
+            let [low, high] = [span.gone(value, least[index]), span.gone(value, most[index])];
+            least_at[index] = V::select_below(low, least[index], now, least_at[index]);
+            least[index] = V::select_below(low, least[index], low, least[index]);
+            most_at[index] = V::select_below(most[index], high, now, most_at[index]);
+            most[index] = V::select_below(most[index], high, high, most[index]);
+        }
+    }
+
+    /// Goes a piece of a step, unless something is met in any lane aboard.
+    #[inline(always)]
+    fn go_piece<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], span: &Span<V>) -> bool {
+        self.to_middle(frame, tables, span, &self.quick);
+        let within = self.beyond_fences(frame, self.quick.in_middle);
+        self.to_end(frame, tables, span, &self.quick);
+        frame.beyond = (within | self.beyond_fences(frame, self.quick.all)) & frame.aboard & span.moving();
+        if frame.beyond != 0 {
+            return false;
+        }
+        self.accept(frame, span);
+        true
+    }
+
+    /// Goes on to the end of a step at a time, unless something is met in any lane aboard.
+    #[inline(always)]
+    fn go_step<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], end: f64) -> bool {
+        loop {
+            let span = self.piece(frame, end);
+            if !self.go_piece(frame, tables, &span) {
+                return false;
+            }
+            if !self.has_lines() || frame.time.reaches(V::splat(end)) {
+                return true;
+            }
         }
     }
 
@@ -163,16 +203,11 @@ impl Kernel {
     fn all_steps<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], grid: &Steps) -> u64 {
         for step in 0..grid.count {
             let end = grid.end_of(step);
-            let length = end - frame.time;
-            self.to_middle(frame, tables, length, &self.quick);
-            let within = self.beyond_fences(frame, self.quick.in_middle);
-            self.to_end(frame, tables, [length, end], &self.quick);
-            frame.beyond = (within | self.beyond_fences(frame, self.quick.all)) & frame.aboard;
-            if frame.beyond != 0 {
+            let begin = frame.time.get(0);
+            self.go_to_pieces(frame, tables, begin + 0.5 * (end - begin));
+            if !self.go_step(frame, tables, end) {
                 return step;
             }
-            self.see(frame, end);
-            self.accept(frame, end);
         }
         grid.count
     }
@@ -201,13 +236,18 @@ impl Kernel {
         frame.last.states.copy_from_slice(&frame.states);
         frame.last.rates.copy_from_slice(&frame.rates);
         frame.present.copy_from_slice(&frame.rests);
-        self.take_quietly(frame, time);
+        self.accept(frame, &Span::same(frame.time, time - frame.time, time));
     }
 
-    /// The same of a step that nobody will look back into.
-    pub fn take_quietly<V: Lane>(&self, frame: &mut Frame<V>, time: f64) {
-        self.see(frame, time);
-        self.accept(frame, time);
+    /// Sees the voltages that are followed where the frame is, as they were worked out last.
+    pub fn see_now(&self, frame: &mut Frame<f64>) {
+        self.see(frame, &Span::same(frame.time, 0.0, frame.time));
+    }
+
+    /// Takes the piece looked at of a step that ends at a time, in which something was met in lanes that are no longer aboard,
+    /// and goes on to that end: whether nothing is met.
+    pub fn go_on<V: Lane>(&self, frame: &mut Frame<V>, tables: &[Vec<[f64; 2]>], end: f64) -> bool {
+        Arch::new().dispatch(OneStep { kernel: self, frame, tables, end })
     }
 }
 
@@ -226,6 +266,25 @@ impl<V: Lane> NullaryFnOnce for AllSteps<'_, V> {
     #[inline(always)]
     fn call(self) -> u64 {
         self.kernel.all_steps(self.frame, self.tables, self.grid)
+    }
+}
+
+struct OneStep<'a, V> {
+    kernel: &'a Kernel,
+    frame: &'a mut Frame<V>,
+    tables: &'a [Vec<[f64; 2]>],
+    end: f64,
+}
+
+impl<V: Lane> NullaryFnOnce for OneStep<'_, V> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn call(self) -> bool {
+        let OneStep { kernel, frame, tables, end } = self;
+        let span = kernel.piece(frame, end);
+        kernel.accept(frame, &span);
+        frame.time.reaches(Lane::splat(end)) || kernel.go_step(frame, tables, end)
     }
 }
 

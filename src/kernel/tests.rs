@@ -17,6 +17,7 @@ use super::Native;
 use super::lane::Lane as _;
 use super::store::{FEWEST_BEYOND_NATIVE, pays};
 use super::{Formation, Frame, Kernel, LANES, Posted, Steps, Watched};
+use crate::delay_line::DelayLine;
 use crate::grid::Grid;
 use crate::patch::Patch;
 use crate::program::{Program, Register, Scratch, Sources};
@@ -85,6 +86,7 @@ impl<'p> Points<'p> {
         }
     }
 
+    /// Nothing has come out of delay lines yet.
     fn evaluate(&mut self) {
         let from = Sources {
             coefficients: &self.coefficients,
@@ -94,6 +96,7 @@ impl<'p> Points<'p> {
             tables: &self.program.tables,
             kept: &self.kept,
             levels: &self.levels,
+            delayed: &vec![0.0; self.program.delays.len()],
             ..Sources::none()
         };
         self.program.evaluate(&from, &mut self.registers, &mut Scratch::new(self.program));
@@ -122,6 +125,7 @@ impl<'p> Points<'p> {
         frame.put_standing(kernel, &self.kept, &self.levels);
         frame.states.copy_from_slice(&self.states);
         frame.time = self.time;
+        frame.lines[0] = vec![DelayLine::new(1.0, 0.0, 1e-3); self.program.delays.len()];
         kernel.settle(&mut frame, self.program, &self.coefficients, true).then_some(frame)
     }
 }
@@ -147,7 +151,7 @@ fn held(program: &Program, dice: &mut Dice, told: &str) -> usize {
 
 /// Whether a program is folded at all.
 fn is_folded(program: &Program) -> bool {
-    program.loops.is_empty() && program.delays.is_empty()
+    program.loops.is_empty()
 }
 
 #[test]
@@ -258,7 +262,7 @@ fn what_is_met_is_told_by_lane() {
     for lane in 0..LANES {
         // A falls by what B has in a second; below -10 V the table turns.
         points.states = vec![if lane % 3 == 1 { -9.99 } else { 5.0 }, 20.0];
-        formation.board(&kernel, lane, &points.frame(&kernel).unwrap());
+        formation.board(&kernel, lane, &mut points.frame(&kernel).unwrap());
     }
     let steps = Steps { begin: 0.0, grid: Grid::new(1e-3), first: 1, count: 9 };
     assert_eq!(kernel.steps(&mut formation.frame, &program.tables, &steps), 0);
@@ -266,7 +270,7 @@ fn what_is_met_is_told_by_lane() {
     let mut one = kernel.frame();
     (0..LANES).filter(|lane| lane % 3 == 1).for_each(|lane| formation.leave(&kernel, lane, &mut one));
     assert_eq!(one.states, [-9.99, 20.0]);
-    formation.go_without(&kernel, 1e-3);
+    assert!(formation.go_without(&kernel, &program.tables, 1e-3));
     assert_eq!((formation.aboard(), formation.time()), (0xffff & !0x2492, 1e-3));
     assert_eq!(kernel.steps(&mut formation.frame, &program.tables, &steps.after(1)), 8);
 }

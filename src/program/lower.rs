@@ -207,6 +207,7 @@ impl<'c> Lowering<'c> {
     fn arranged(mut self) -> Program {
         let order = self.program.arrange();
         self.program.find_corners();
+        self.program.find_echoes();
         let owners: Vec<usize> = order.into_iter().map(|at| self.owners[at]).collect();
         [self.program.kinks, self.program.guard_kinks] = self.program.find_kinks(&owners);
         self.program.angles = self.program.find_angles(&owners);

@@ -9,6 +9,7 @@ mod check;
 mod coefficient;
 mod corners;
 mod curved;
+mod echoes;
 mod evaluate;
 mod kinks;
 mod level;
@@ -270,6 +271,8 @@ impl Transition {
 pub(crate) struct Delay {
     pub element: usize,
     pub input: Register,
+    /// The delay lines, this one too perhaps, on whose output its input depends by any way but other delay lines.
+    pub hears: Vec<usize>,
     /// Coefficient of its time, in machine seconds.
     pub time: u32,
     /// Coefficient of what it gives before its time.

@@ -365,7 +365,7 @@ impl Lowering<'_> {
         let index = self.program.delays.len() as u32;
         let problem_seconds = 1.0 / self.circuit.time_scale();
         let (element, input) = (self.current, Register(0));
-        self.program.delays.push(Delay { element, input, time, initial, problem_seconds });
+        self.program.delays.push(Delay { element, input, hears: Vec::new(), time, initial, problem_seconds });
         self.own_delay.insert(self.current, index);
         self.emit(Op::Delayed(index))
     }

@@ -1,6 +1,7 @@
 //! Instants at which voltages jump or turn a corner: no step reaches across one.
 
 use super::machine::Machine;
+use crate::delay_line::{self, DelayLine};
 
 /// The error of a cubic through four points in a row, as a share of their fourth difference: at most this.
 const CUBIC: f64 = 1.0 / 24.0;
@@ -51,11 +52,10 @@ impl Machine<'_> {
         pieces.ceil().clamp(4.0, MOST_PIECES) as u32
     }
 
-    /// The same at an instant at which voltages jump or turn a corner: their echo will do so too. `echoes`
-    /// tells how often it has echoed so far.
-    pub(super) fn remember_break(&mut self, echoes: u8) {
+    /// The same at an instant at which voltages jump or turn a corner: their echo will do so too.
+    pub(super) fn remember_break(&mut self) {
         for (line, delay) in self.lines.iter_mut().zip(&self.program.delays) {
-            line.put_break(self.time, self.registers[delay.input.index()], echoes);
+            line.put_break(self.time, self.registers[delay.input.index()], 0);
         }
         self.beside(|own, machine| own.remember_break(machine));
     }
@@ -63,21 +63,22 @@ impl Machine<'_> {
     /// The end of a stretch on the way to a time: no stretch goes across an echo, the corner of a table, or an
     /// instant at which a level jumps.
     pub(super) fn end_of_stretch(&self, target: f64) -> f64 {
-        self.end_before(target, self.program.corners.times())
+        let echoes = self.lines.iter().filter_map(|line| line.echo_before(target));
+        echoes.fold(self.end_before(target, self.program.corners.times()), f64::min)
     }
 
-    /// The end of a flight, which goes on over corners of tables that fall on the ends of its steps.
+    /// The end of a flight, which goes on over corners of tables that fall on the ends of its steps, and over the echoes of
+    /// corners.
     pub(super) fn end_of_flight(&self) -> f64 {
-        self.end_before(f64::INFINITY, &self.stray_corners)
+        let jumps = self.lines.iter().filter_map(DelayLine::next_jump);
+        jumps.fold(self.end_before(f64::INFINITY, &self.stray_corners), f64::min)
     }
 
     fn end_before(&self, target: f64, corners: &[f64]) -> f64 {
         let tables = &self.program.tables;
         let jumps = self.level_sources.iter().map(|source| source.next(tables));
-        let corner = self.next_of(corners);
-        let before = jumps.chain(corner).filter(|time| *time < target - SAME * self.step);
-        let echoes = self.lines.iter().filter_map(|line| line.echo_before(target));
-        echoes.chain(before).fold(target, f64::min)
+        let before = jumps.chain(self.next_of(corners)).filter(|time| *time < target - SAME * self.step);
+        before.fold(target, f64::min)
     }
 
     fn next_of(&self, corners: &[f64]) -> Option<f64> {
@@ -95,14 +96,22 @@ impl Machine<'_> {
     /// lines. Tells whether any voltage may have jumped.
     pub(super) fn meet_breaks(&mut self) -> bool {
         if self.is_at_corner() {
-            self.remember_break(0);
+            self.remember_break();
         }
-        let heard = self.lines.iter_mut().filter_map(|line| line.echoes_by(self.time)).min();
+        let heard = delay_line::hear(&mut self.lines, self.time);
         let jumped = self.jump_by(self.time + SAME * self.step);
-        if heard.is_some() || jumped {
+        // Derivatives jump where corners come out, too.
+        let moved = jumped || heard.is_some_and(|jumps| jumps || self.sensitivities.is_some());
+        if moved {
             self.evaluate();
-            self.remember_break(if jumped { 0 } else { heard.map_or(0, |echoes| echoes + 1) });
         }
-        heard.is_some() || jumped
+        if jumped {
+            self.remember_break();
+        } else if heard.is_some() {
+            let inputs = self.program.delays.iter().map(|delay| self.registers[delay.input.index()]);
+            delay_line::pass_on(&mut self.lines, self.time, inputs);
+            self.beside(|own, machine| own.remember_break(machine));
+        }
+        moved
     }
 }

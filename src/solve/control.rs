@@ -1,9 +1,9 @@
 //! Steps as long as an error allows.
 
-use super::delay_line::DelayLine;
 use super::error::RunError;
 use super::machine::{Machine, Witness};
 use super::run::MOST_STEPS;
+use crate::delay_line::DelayLine;
 use crate::machines::REFERENCE;
 
 /// How long the next step may be, so that the errors of a second of steps add up to no more than a tolerance.

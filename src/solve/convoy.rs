@@ -239,11 +239,17 @@ impl Wing {
 
     /// Takes a step in which some meet something: these go alone, and come back where they are still in flight then.
     fn part(&mut self, members: &mut [Member<'_, '_>]) {
-        let beyond = self.formation.beyond();
-        lanes(beyond).for_each(|lane| self.leave(lane, &mut members[lane]));
-        self.formation.go_without(&self.folded.kernel, self.steps.end_of(0));
+        let (mut gone, end) = (0, self.steps.end_of(0));
+        loop {
+            let beyond = self.formation.beyond();
+            lanes(beyond).for_each(|lane| self.leave(lane, &mut members[lane]));
+            gone |= beyond;
+            if self.formation.go_without(&self.folded.kernel, &self.tables, end) {
+                break;
+            }
+        }
         self.steps = self.steps.after(1);
-        for lane in lanes(beyond) {
+        for lane in lanes(gone) {
             members[lane].expect_to_meet();
             members[lane].go_alone(self.steps.first);
             if members[lane].in_flight().is_some() {
@@ -254,13 +260,15 @@ impl Wing {
 
     fn board(&mut self, lane: usize, member: &mut Member<'_, '_>) {
         let (kernel, formation) = (&self.folded.kernel, &mut self.formation);
-        member.flight_mut().into_iter().for_each(|flight| formation.board(kernel, lane, &flight.frame));
+        member.flight_mut().into_iter().for_each(|flight| formation.board(kernel, lane, &mut flight.frame));
     }
 
     fn leave(&mut self, lane: usize, member: &mut Member<'_, '_>) {
         let (kernel, formation) = (&self.folded.kernel, &mut self.formation);
-        member.pass(self.steps.first, formation.time());
-        member.flight_mut().into_iter().for_each(|flight| formation.leave(kernel, lane, &mut flight.frame));
+        let Some(flight) = member.flight_mut() else { return };
+        formation.leave(kernel, lane, &mut flight.frame);
+        let time = flight.time();
+        member.pass(self.steps.first, time);
     }
 }
 

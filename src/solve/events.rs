@@ -134,7 +134,7 @@ impl Machine<'_> {
                 return Ok(self.work.changes > before);
             }
             self.evaluate();
-            self.remember_break(0);
+            self.remember_break();
         }
     }
 
@@ -172,7 +172,7 @@ impl Machine<'_> {
         if let Some(kink) = self.kinks().nth(index).filter(|_| self.crossings[index] > MOST_CHANGES) {
             return Err(self.chatter(kink.element, Calm::Drive));
         }
-        self.remember_break(0);
+        self.remember_break();
         Ok(())
     }
 

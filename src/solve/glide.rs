@@ -1,6 +1,7 @@
 //! Quiet stretches: while no mode changes and no amplifier is overloaded, a kernel of the program takes the steps, and
 //! crosses the corners of diodes and tables on its way.
 
+use std::mem;
 use std::sync::Arc;
 
 use super::breaks::SAME;
@@ -84,6 +85,11 @@ impl Flight {
         holds
     }
 
+    /// Takes the delay lines over from a machine, or gives them back.
+    fn exchange_lines(&mut self, machine: &mut Machine<'_>) {
+        mem::swap(&mut self.frame.lines[0], &mut machine.lines);
+    }
+
     /// Goes over to the other side of a corner on which it is. Tells whether the kernel holds there.
     fn cross(&mut self, machine: &Machine<'_>, met: Met) -> bool {
         let Flight { folded, frame, .. } = self;
@@ -92,7 +98,7 @@ impl Flight {
         let Flight { folded, frame, .. } = self;
         let holds = folded.kernel.stand(frame) && fits;
         // What a limit holds from here on is just at it, as it was not before.
-        folded.kernel.see(frame, frame.time);
+        folded.kernel.see_now(frame);
         self.is_due = !holds;
         holds
     }
@@ -157,12 +163,20 @@ impl Machine<'_> {
         if left == 0 {
             return None;
         }
-        let mut glider = std::mem::take(&mut self.glider);
+        let mut glider = mem::take(&mut self.glider);
         let flight = glider.flight(self);
         if flight.is_none() {
             glider.backend = Backend::Reference;
         }
-        let begun = flight.filter(|index| glider.flights[*index].begin(self));
+        let begun = flight.filter(|index| {
+            let flight = &mut glider.flights[*index];
+            flight.exchange_lines(self);
+            let holds = flight.begin(self);
+            if !holds {
+                flight.exchange_lines(self);
+            }
+            holds
+        });
         self.glider = glider;
         begun.map(|flight| Aloft { flight, left, meets: false })
     }
@@ -202,7 +216,7 @@ impl Machine<'_> {
         aloft: Aloft,
         act: impl FnOnce(&mut Self, &mut Flight) -> T,
     ) -> T {
-        let mut glider = std::mem::take(&mut self.glider);
+        let mut glider = mem::take(&mut self.glider);
         let done = act(self, &mut glider.flights[aloft.flight]);
         self.glider = glider;
         done
@@ -273,7 +287,8 @@ impl Machine<'_> {
         for _ in 0..MOST_CROSSINGS {
             let Flight { folded, frame, backend, .. } = flight;
             let mut sight = Sight { folded, frame, backend: *backend, machine: self, last: Look::Quiet };
-            let length = end - sight.frame.time;
+            let target = folded.kernel.end_of_piece(sight.frame, end);
+            let length = target - sight.frame.time;
             sight.look(length);
             // It goes off on the other side from where it is.
             if let Some(met) = folded.kernel.left_behind(sight.frame) {
@@ -290,8 +305,11 @@ impl Machine<'_> {
             if met.is_some_and(|met| !met.is_corner) {
                 return false;
             }
-            let time = if share >= 1.0 { end } else { sight.frame.time + share * length };
+            let time = if share >= 1.0 { target } else { sight.frame.time + share * length };
             sight.accept(time);
+            if met.is_some() {
+                folded.kernel.remember_corner(sight.frame);
+            }
             self.time = time;
             witness.glided(self, flight);
             if let Some(met) = met {
@@ -308,7 +326,8 @@ impl Machine<'_> {
     }
 
     /// Works everything out where a stretch has ended.
-    fn land(&mut self, flight: &Flight) -> Result<(), RunError> {
+    fn land(&mut self, flight: &mut Flight) -> Result<(), RunError> {
+        flight.exchange_lines(self);
         self.time = flight.frame.time;
         self.states.copy_from_slice(&flight.frame.states);
         self.kept.copy_from_slice(flight.frame.kept(&flight.folded.kernel));

@@ -1,7 +1,7 @@
 //! The machine differentiated where it stands.
 
-use super::delay_line::{DelayLine, Output};
 use super::machine::Machine;
+use crate::delay_line::{DelayLine, Output};
 use crate::program::{Linearisation, OperatingPoint, Program, StateSpace};
 
 impl Machine<'_> {

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::control::Control;
-use super::delay_line::DelayLine;
 use super::error::{RunError, TimeSetting};
 use super::glide::{Flight, Glider};
 use super::level_source::{LevelSource, most_jumps};
@@ -11,6 +10,7 @@ use super::overload::{self, Lit};
 use super::run::check_tolerance;
 use super::sensitivity::Sensitivities;
 use super::tableau::{CLASSICAL, DORMAND_PRINCE, Tableau};
+use crate::delay_line::DelayLine;
 use crate::grid::Grid;
 use crate::kernel::Backend;
 use crate::program::{Program, Scratch, Sources};
@@ -301,7 +301,7 @@ impl<'p> Machine<'p> {
     pub(super) fn disturbed(&mut self) -> Result<(), RunError> {
         self.changes.fill(0);
         self.evaluate();
-        self.remember_break(0);
+        self.remember_break();
         self.settle()?;
         self.remember_values();
         self.check_now()
@@ -370,8 +370,8 @@ impl<'p> Machine<'p> {
     /// The same, not counted as work.
     pub(super) fn work_out_now(&mut self) {
         self.scratch.faults.clear();
-        for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
-            *delayed = line.from(self.time);
+        for (delayed, line) in self.delayed.iter_mut().zip(&mut self.lines) {
+            *delayed = line.next_from(self.time);
         }
         self.work_out(self.time, Wanted::Now);
         let still = self.program.parts.moving;
@@ -383,8 +383,8 @@ impl<'p> Machine<'p> {
     /// Works out the voltages for the trial states at a later time, which nothing has reached yet: what jumps there
     /// stands as before its jump.
     pub(super) fn evaluate_trial(&mut self, time: f64, wanted: Wanted) {
-        for (delayed, line) in self.delayed.iter_mut().zip(&self.lines) {
-            *delayed = line.until(time);
+        for (delayed, line) in self.delayed.iter_mut().zip(&mut self.lines) {
+            *delayed = line.next_until(time);
         }
         self.work_out(time, wanted);
     }
@@ -451,7 +451,9 @@ fn delay_lines(program: &Program, coefficients: &[f64], step: f64) -> Vec<DelayL
     let jumps = most_jumps(program, &LevelSource::all(program, coefficients));
     let lines = program.delays.iter().map(|delay| {
         let time = coefficients[delay.time as usize] * delay.problem_seconds;
-        DelayLine::new(time, coefficients[delay.initial as usize], step).with_room_for(jumps)
+        DelayLine::new(time, coefficients[delay.initial as usize], step)
+            .with_room_for(jumps)
+            .hearing(&delay.hears)
     });
     lines.collect()
 }

@@ -3,7 +3,6 @@
 mod breaks;
 mod control;
 mod convoy;
-mod delay_line;
 mod error;
 mod events;
 mod feed;

@@ -33,8 +33,8 @@ pub struct RunSettings {
     pub record: Vec<String>,
     /// Names of the parameters by which the derivatives of all these signals are recorded as well.
     pub sensitivities: Vec<String>,
-    /// What works the steps out. Runs with a tolerance or derivatives, and programs with delay lines or loops, are
-    /// worked out by the reference whatever it says.
+    /// What works the steps out. Runs with a tolerance or derivatives, and programs with loops, are worked out by the
+    /// reference whatever it says.
     pub backend: Backend,
 }
 

@@ -129,6 +129,35 @@ pub fn driven_by_points(fed_back: &str) -> Patch {
         .unwrap()
 }
 
+/// An oscillator behind one delay line, D1, through which a curve drives it, beside a link; it comes back through another, D2,
+/// by which a relay switches.
+pub fn late(link: ElementBuilder) -> Patch {
+    let height = |time: f64| 30.0 * (40.0 * time).sin() + 15.0 * (113.0 * time).cos();
+    let points: Vec<_> =
+        (0..=100).map(|place| f64::from(place) / 100.0).map(|time| [time, height(time)]).collect();
+    let delay = |from: &str, time: &str| element("delay").cord("in", from).set("delay", time);
+    let relay = element("relay").cord("in", "D2").cord("on", "C").cord("off", "ground");
+    volts("late")
+        .parameter("T", 0.05, "s", [1e-4, 2.0])
+        .parameter("F", 0.02, "s", [1e-4, 2.0])
+        .drive("u", "volt", element("table").set("points", serde_json::json!(points)))
+        .element("C", element("pot").cord("in", "+100").set("setting", 0.1))
+        .element("D1", delay("u", "T"))
+        .element("D2", delay("A2", "F").set("initial", 2))
+        .element("R", relay.set("pull_in", 4).set("drop_out", -4))
+        .element("L", link)
+        .element("S", element("summer").cords("x1", ["D1", "L", "D2", "R"]))
+        .element("A1", element("integrator").cords("x10", ["S", "A1"]))
+        .element("A2", element("integrator").cords("x10", ["A1"]))
+        .build()
+        .unwrap()
+}
+
+/// The same with a diode that takes the lower of what comes and what swings.
+pub fn late_and_bent() -> Patch {
+    late(element("diode-lower-of").cords("in", ["D1", "A2"]))
+}
+
 /// A machine that has run for a time.
 pub fn ran(program: &Program, step: f64, length: f64) -> Machine<'_> {
     let mut machine = Machine::new(program, step).unwrap_or_else(|error| panic!("{error}"));

@@ -108,6 +108,25 @@ fn runs_driven_by_points() {
     assert_eq!(compared(&programs, &RunSettings { record, ..RunSettings::of(&circuit).unwrap() }, "fed"), 0);
 }
 
+/// Delays of whole steps and of others, short and long, another in every lane.
+#[test]
+fn runs_with_delays() {
+    let (circuit, own) = program(&common::late_and_bent(), &[]).unwrap();
+    let record = ["D1", "D2", "S", "A2"].map(str::to_owned).to_vec();
+    for (step, every) in [(1e-3, 1e-3), (2.5e-3, 1e-2), (7e-4, 2.3e-3)] {
+        let settings =
+            RunSettings { step, every, record: record.clone(), ..RunSettings::of(&circuit).unwrap() };
+        let times =
+            |run: u32| [1.0 + 0.31 * f64::from(run), 1.0 + f64::from(run * run)].map(|steps| steps * step);
+        let all: Vec<_> = (0..19).map(times).map(|[t, f]| set(&own, &[("T", t), ("F", f)])).collect();
+        assert_eq!(compared(&all, &settings, "late"), 0);
+        // Hardly another, as where a fit takes differences.
+        let near = |run: u32| set(&own, &[("T", 0.0123 + 1e-7 * f64::from(run)), ("F", 0.01)]);
+        let all: Vec<_> = (0..16).map(near).collect();
+        assert_eq!(compared(&all, &settings, "nearly as late"), 0);
+    }
+}
+
 /// An integrator that its own relay turns back: with hysteresis it swings, without it the relay chatters once it is met. A
 /// second one follows it.
 fn kept_by_a_relay() -> Patch {

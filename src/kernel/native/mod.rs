@@ -85,9 +85,12 @@ struct Memory {
 const MOST_OPERATIONS: usize = 16_000;
 
 impl Native {
-    /// The native code of a kernel; nothing where this processor, or the kernel, is none for it.
+    /// The native code of a kernel; nothing where this processor, or the kernel, is none for it: steps that delay lines cut into
+    /// pieces are not gone blindly.
     pub fn new(kernel: &Kernel) -> Option<Native> {
-        (kernel.operations() <= MOST_OPERATIONS).then(|| made(kernel).ok().flatten()).flatten()
+        (!kernel.has_lines() && kernel.operations() <= MOST_OPERATIONS)
+            .then(|| made(kernel).ok().flatten())
+            .flatten()
     }
 
     /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::line::Line;
+use crate::delay_line::DelayLine;
 use crate::program::{Beside, Probe, Program, Slopes};
-use crate::solve::delay_line::DelayLine;
 use crate::solve::machine::Machine;
 use crate::solve::stride::{Curve, combined};
 use crate::solve::tableau::Tableau;

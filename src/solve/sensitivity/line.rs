@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use crate::solve::delay_line::DelayLine;
+use crate::delay_line::DelayLine;
 
 /// The derivatives of what went into a delay line, and of the instants at which that jumped.
 #[derive(Debug, Clone)]
@@ -48,7 +48,7 @@ impl Line {
     /// Takes in the slope at an instant at which what goes in jumps or has a corner. `shift` tells how that instant
     /// moves with the parameter.
     pub fn put_break(&mut self, time: f64, slope: f64, shift: f64) {
-        self.past.echoes_by(time);
+        self.past.echo_by(time);
         self.past.put_break(time, slope, 0);
         while self.shifts.front().is_some_and(|first| first.0 < time - 2.0 * self.past.delay()) {
             self.shifts.pop_front();
