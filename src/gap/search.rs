@@ -290,7 +290,7 @@ impl Problem {
             order.iter().flat_map(|place| &tried[*place]).all(|(_, stage)| stage.is_far())
         };
         let is_far = harder(full, Effort::FULL);
-        if is_far {
+        if is_far && !self.is_cut {
             harder(GROWN, Effort::GROWING);
         }
         Ok(Round::of(stage, tried.into_iter().flatten().collect()))
