@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
-use patchcord::gap::score::{colour, memory};
 use patchcord::gap::search::{Means, Outcome as Found, Verdict};
 use patchcord::gap::stage::Problem;
 
@@ -71,12 +70,11 @@ impl Judged {
         let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
         let named: Vec<_> = effects.iter().map(|own| (text(&own["name"]), text(&own["junction"]))).collect();
         let judgement = judgement(&truth, &found, &named);
-        let held = &found.told().test;
         Ok(Judged {
             verdict: found.verdict.as_str(),
             judgement,
             parameters: parameters(&truth, &effects),
-            held_out: (held.chi2 / held.count as f64).sqrt(),
+            held_out: found.told().test.over_noise(),
             tried: tried(&problem, &found),
             number,
             truth,
@@ -155,15 +153,14 @@ fn judgement(truth: &Truth, found: &Found, named: &[(String, String)]) -> Judgem
 /// What was tried: the base, and the first trials of every round.
 fn tried(problem: &Problem, found: &Found) -> String {
     let mut text = String::new();
-    let base = &found.base.train;
-    let over = |chi2: f64, count: usize| chi2 / count as f64;
+    let base = &found.base;
     let _ = writeln!(
         text,
         "     base {:.3} colour {:.1} memory {:.1} knobs {:?} sigma {:?} steps {}",
-        over(base.chi2, base.count),
-        colour(base),
-        memory(base),
-        base.point.knobs,
+        base.train.reduced(),
+        base.colour,
+        base.memory,
+        base.train.point.knobs,
         problem.sigma,
         problem.steps
     );
@@ -181,10 +178,10 @@ fn tried(problem: &Problem, found: &Found) -> String {
                 trial.candidate.effect,
                 trial.candidate.junction,
                 trial.score,
-                over(train.chi2, train.count),
-                over(test.chi2, test.count),
-                colour(train),
-                memory(train),
+                train.reduced(),
+                test.reduced(),
+                trial.stage.colour,
+                trial.stage.memory,
                 trial.behind.sum,
                 trial.behind.error,
                 &train.point.knobs[round.before.train.point.knobs.len()..]

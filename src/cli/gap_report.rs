@@ -3,7 +3,6 @@
 use super::failure::plural;
 use super::table::Table;
 use patchcord::gap::Experiment;
-use patchcord::gap::report::error;
 use patchcord::gap::search::{Outcome, Round};
 use patchcord::gap::stage::{Problem, Stage};
 use patchcord::gap::whereabouts::Whereabouts;
@@ -27,8 +26,7 @@ fn parameters(stage: &Stage) -> Table {
     let mut table = Table::new(["fitted", "value", "standard error", "unit"]);
     for (place, name) in stage.version.fit.iter().enumerate() {
         let unit = stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
-        let number = |value: f64| Display::new("", 1.0).number(value);
-        let cells = [number(stage.train.point.knobs[place]), number(error(&stage.train, place))];
+        let cells = [stage.train.point.knobs[place], stage.error(place)].map(number);
         table.row([name.clone(), cells[0].clone(), cells[1].clone(), unit.to_owned()]);
     }
     table
@@ -38,8 +36,7 @@ fn parameters(stage: &Stage) -> Table {
 fn gaps(problem: &Problem, outcome: &Outcome) -> Table {
     let mut table = Table::new(["gap, in noise", "train", "test"]);
     for (what, stage) in [("before", &outcome.base), ("after", outcome.told())] {
-        let over = |chi2: f64, count: usize| Display::new("", 1.0).number((chi2 / count as f64).sqrt());
-        let cells = [&stage.train, &stage.test].map(|fitted| over(fitted.chi2, fitted.count));
+        let cells = [&stage.train, &stage.test].map(|fitted| number(fitted.over_noise()));
         table.row([format!("{what} ({})", problem.outputs.join(", ")), cells[0].clone(), cells[1].clone()]);
     }
     table
@@ -48,7 +45,6 @@ fn gaps(problem: &Problem, outcome: &Outcome) -> Table {
 /// Where and when something is missing.
 fn place(found: &[Whereabouts]) -> String {
     let Some(best) = found.first() else { return String::new() };
-    let number = |value: f64| Display::new("", 1.0).number(value);
     let windows: Vec<[f64; 2]> = best.windows().collect();
     let count = windows.len();
     let first = windows.iter().copied().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
@@ -76,27 +72,29 @@ fn place(found: &[Whereabouts]) -> String {
     text
 }
 
-fn heading(number: usize, round: &Round) -> String {
+fn number(value: f64) -> String {
+    Display::new("", 1.0).number(value)
+}
+
+fn heading(place: usize, round: &Round) -> String {
     let taken = if round.taken { "the first is taken" } else { "none is taken" };
-    let needed = Display::new("", 1.0).number(round.needed);
+    let needed = number(round.needed);
     let count = round.trials.len();
     format!(
-        "round {number}: {count} effects and places tried; a score of {needed} is needed, and the test has to agree: {taken}"
+        "round {place}: {count} effects and places tried; a score of {needed} is needed, and the test has to agree: {taken}"
     )
 }
 
 fn trials(round: &Round) -> Table {
     let mut table = Table::new(["effect", "at", "score", "train", "test"]);
     for trial in round.trials.iter().take(TOLD) {
-        let number = |value: f64| Display::new("", 1.0).number(value);
-        let over = |chi2: f64, count: usize| number((chi2 / count as f64).sqrt());
         let (train, test) = (&trial.stage.train, &trial.stage.test);
         table.row([
             trial.candidate.effect.clone(),
             trial.candidate.junction.clone(),
             number(trial.score),
-            over(train.chi2, train.count),
-            over(test.chi2, test.count),
+            number(train.over_noise()),
+            number(test.over_noise()),
         ]);
     }
     table

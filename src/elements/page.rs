@@ -71,7 +71,6 @@ fn setting_row(setting: &Setting) -> [String; 5] {
 }
 
 /// A Markdown table after an empty line; nothing where there are no rows.
-/// A table of a Markdown document; nothing where there are no rows.
 pub(crate) fn markdown_table<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> String {
     if rows.is_empty() {
         return String::new();

@@ -1,6 +1,8 @@
 //! Output error: the knobs, initial voltages and offsets with which a model comes nearest to its records, by the method of
 //! Levenberg and Marquardt within ranges, on derivatives by differences of runs made side by side.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::model::{Choice, Course, Knob, Model};
@@ -55,6 +57,23 @@ pub struct Fitted {
     pub errors: Vec<f64>,
     /// How often the derivatives were worked out.
     pub rounds: usize,
+}
+
+impl Fitted {
+    /// The sum of squares of the residuals over their number: 1 where the model is right.
+    pub fn reduced(&self) -> f64 {
+        self.chi2 / self.count as f64
+    }
+
+    /// What is left, rms over the noise.
+    pub fn over_noise(&self) -> f64 {
+        self.reduced().sqrt()
+    }
+
+    /// The one that leaves least.
+    pub fn best_of(fits: impl Iterator<Item = Fitted>) -> Option<Fitted> {
+        fits.min_by(|a, b| a.chi2.total_cmp(&b.chi2))
+    }
 }
 
 /// So often the derivatives are worked out at most, unless a task says otherwise.
@@ -148,10 +167,6 @@ impl Task<'_> {
         self.model.knobs.len() + self.sigma.len()
     }
 
-    pub(super) fn states(&self) -> usize {
-        self.model.initial.len()
-    }
-
     /// Knobs as shares of their ways, offsets in sigmas, then the initial voltages of every record in machine units.
     pub(super) fn shares(&self, point: &Point) -> DVector<f64> {
         let knobs = self.model.knobs.iter().zip(&point.knobs).map(|(knob, value)| knob.share(*value));
@@ -171,9 +186,14 @@ impl Task<'_> {
         }
     }
 
+    /// The coordinates of the initial voltages of a record.
+    pub(super) fn states_of(&self, record: usize) -> Range<usize> {
+        let (first, count) = (self.common(), self.model.initial.len());
+        first + record * count..first + (record + 1) * count
+    }
+
     fn initial(&self, at: &DVector<f64>, record: usize) -> Vec<f64> {
-        let first = self.common() + record * self.states();
-        (first..first + self.states()).map(|index| 100.0 * at[index]).collect()
+        self.states_of(record).map(|index| 100.0 * at[index]).collect()
     }
 
     pub(super) fn choice(&self, at: &DVector<f64>, record: usize) -> Choice {
@@ -214,7 +234,7 @@ impl Task<'_> {
         pairs.enumerate().map(left).collect()
     }
 
-    fn chi2(&self, at: &DVector<f64>, courses: &[Course]) -> f64 {
+    pub(super) fn chi2(&self, at: &DVector<f64>, courses: &[Course]) -> f64 {
         let mut sum = 0.0;
         for (record, course) in courses.iter().enumerate() {
             for output in 0..self.sigma.len() {
@@ -250,14 +270,12 @@ impl Task<'_> {
         let mut normal =
             Normal { matrix: DMatrix::zeros(at.len(), at.len()), gradient: DVector::zeros(at.len()) };
         for (record, course) in courses.iter().enumerate() {
-            let first = self.common() + record * self.states();
-            let moved: Vec<usize> = (0..self.turned()).chain(first..first + self.states()).collect();
+            let moved: Vec<usize> = (0..self.turned()).chain(self.states_of(record)).collect();
             let nudges: Vec<f64> = moved.iter().map(|index| self.nudge(at, *index)).collect();
-            let choices = moved.iter().zip(&nudges).map(|(index, nudge)| {
-                let mut beside = at.clone();
-                beside[*index] += nudge;
-                self.choice(&beside, record)
-            });
+            let choices = moved
+                .iter()
+                .zip(&nudges)
+                .map(|(index, nudge)| self.choice(&nudged(at, *index, *nudge), record));
             let beside = self.model.run(record, &choices.collect::<Vec<_>>());
             for output in 0..self.sigma.len() {
                 let residual = self.residual(at, record, output, course);
@@ -419,6 +437,13 @@ impl Normal {
         let place = |index: &usize| told.iter().position(|own| own == index);
         free.iter().map(|index| place(index).map_or(f64::INFINITY, spread)).collect()
     }
+}
+
+/// A point with one coordinate moved.
+pub(super) fn nudged(at: &DVector<f64>, index: usize, by: f64) -> DVector<f64> {
+    let mut to = at.clone();
+    to[index] += by;
+    to
 }
 
 /// The sum of products where there are data.

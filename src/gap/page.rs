@@ -4,8 +4,6 @@ use super::effect::Library;
 use super::experiment::Experiment;
 use super::fit::Fitted;
 use super::record::Record;
-use super::report::error;
-use super::score::colour;
 use super::search::{Outcome, Round, Trial, Verdict};
 use super::stage::{Problem, Stage};
 use crate::html::{self, escaped};
@@ -59,7 +57,7 @@ fn number(value: f64) -> String {
 
 /// What is left, rms over the noise.
 fn over_noise(fitted: &Fitted) -> String {
-    number((fitted.chi2 / fitted.count as f64).sqrt())
+    number(fitted.over_noise())
 }
 
 fn in_short(told: &Told<'_>) -> String {
@@ -131,7 +129,7 @@ fn parameters(stage: &Stage) -> String {
     let rows = stage.version.fit.iter().enumerate().map(|(place, name)| {
         let known = stage.version.patch.parameters.get(name);
         let (unit, what) = known.map_or(("1", ""), |own| (own.unit.text(), own.description.as_str()));
-        let [value, error] = [stage.train.point.knobs[place], error(&stage.train, place)].map(number);
+        let [value, error] = [stage.train.point.knobs[place], stage.error(place)].map(number);
         (false, vec![escaped(name), value, error, escaped(unit), escaped(what)])
     });
     table(&["fitted", "value", "standard error", "unit", "what it is"], rows)
@@ -319,7 +317,7 @@ fn end(told: &Told<'_>) -> Result<String, PlotError> {
     let (base, last) = (&told.outcome.base, told.outcome.told());
     let mut text = "<section>\n<h2>Before and after</h2>\n".to_owned();
     let rows = [("before", base), ("after", last)].map(|(what, stage)| {
-        let cells = [over_noise(&stage.train), over_noise(&stage.test), number(colour(&stage.train))];
+        let cells = [over_noise(&stage.train), over_noise(&stage.test), number(stage.colour)];
         (false, [what.to_owned()].into_iter().chain(cells).collect())
     });
     text += &table(

@@ -55,16 +55,18 @@ impl Record {
     }
 
     /// The same in so many pieces of equal length, none shorter than `least` samples.
-    pub(super) fn pieces(&self, count: usize, least: usize) -> Vec<Record> {
+    pub(super) fn pieces(&self, count: usize, least: usize) -> impl ExactSizeIterator<Item = Record> + '_ {
         let length = self.len().div_ceil(count).max(least);
         // What is left at the end goes with the last piece.
         let count = (self.len() / length).max(1);
-        let ends = (1..=count).map(|piece| if piece == count { self.len() } else { piece * length });
-        ends.enumerate().map(|(piece, end)| self.piece(piece * length..end)).collect()
+        (0..count).map(move |piece| {
+            let end = if piece + 1 == count { self.len() } else { (piece + 1) * length };
+            self.piece(piece * length..end)
+        })
     }
 
     /// The same in pieces of so many seconds.
-    pub(super) fn pieces_of(&self, seconds: f64) -> Vec<Record> {
+    pub(super) fn pieces_of(&self, seconds: f64) -> impl Iterator<Item = Record> + '_ {
         let count = (self.duration() / seconds).round().max(1.0);
         self.pieces(count as usize, 1)
     }
@@ -155,10 +157,10 @@ mod tests {
     #[test]
     fn pieces_follow_one_another_and_keep_the_clock() {
         let record = Record::cut(&measured(), 0..6, &[Hold::Linear]);
-        let pieces = record.pieces(3, 1);
+        let pieces: Vec<Record> = record.pieces(3, 1).collect();
         assert_eq!(pieces.iter().map(|piece| piece.since).collect::<Vec<_>>(), [0.0, 1.0, 2.0]);
         same(&pieces.iter().flat_map(|piece| piece.drives[0].clone()).collect::<Vec<_>>(), &record.drives[0]);
-        let lengths = |count, least| record.pieces(count, least).iter().map(Record::len).collect::<Vec<_>>();
+        let lengths = |count, least| record.pieces(count, least).map(|piece| piece.len()).collect::<Vec<_>>();
         assert_eq!((lengths(4, 1), lengths(4, 4), lengths(2, 9)), (vec![2, 2, 2], vec![6], vec![6]));
     }
 

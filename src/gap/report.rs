@@ -3,11 +3,10 @@
 use serde_json::{Map, Value, json};
 
 use super::fit::Fitted;
-use super::score::memory;
 use super::search::{Outcome, Round, Trial, Verdict};
 use super::stage::{Problem, Stage};
 use super::whereabouts::Whereabouts;
-use crate::patch::{Edit, EditError, Patch};
+use crate::patch::{EditError, Patch};
 
 /// The standard errors on either side of a value between which it lies in 95 of 100 cases.
 const TWO_SIDED_95: f64 = 1.96;
@@ -33,14 +32,7 @@ impl Outcome {
     /// None that is known: what is edited stands in the patch.
     pub fn patch(&self, file: &str) -> Result<Patch, EditError> {
         let Stage { version, train, .. } = self.told();
-        let values = version.fit.iter().zip(&train.point.knobs);
-        let edits: Vec<_> = values
-            .map(|(name, value)| Edit {
-                path: ["parameters", name, "value"].map(str::to_owned).to_vec(),
-                value: json!(value),
-            })
-            .collect();
-        version.patch.edited(file, &edits)
+        version.at(file, &train.point.knobs)
     }
 
     /// The verdict in words.
@@ -112,7 +104,7 @@ fn effect(trial: &Trial, stage: &Stage) -> Value {
             Some(place) => (stage, place),
             None => (&trial.stage, among(&trial.stage)?),
         };
-        Some((stage.train.point.knobs[place], error(&stage.train, place)))
+        Some((stage.train.point.knobs[place], stage.error(place)))
     };
     let parameters = trial.candidate.graft.parameters.iter().filter_map(|own| {
         let (value, error) = of(&own.name)?;
@@ -126,11 +118,6 @@ fn effect(trial: &Trial, stage: &Stage) -> Value {
     })
 }
 
-/// The standard error of a fitted parameter, as wide as what is left, and how long that remembers, makes it.
-pub fn error(fitted: &Fitted, place: usize) -> f64 {
-    fitted.errors[place] * ((fitted.chi2 / fitted.count as f64).max(1.0) * memory(fitted)).sqrt()
-}
-
 fn measured(value: f64, error: f64, unit: &str) -> Value {
     let interval = [value - TWO_SIDED_95 * error, value + TWO_SIDED_95 * error];
     json!({"value": value, "unit": unit, "interval": interval.map(|end| if end.is_finite() { json!(end) } else { Value::Null })})
@@ -139,13 +126,12 @@ fn measured(value: f64, error: f64, unit: &str) -> Value {
 fn parameters(stage: &Stage) -> Value {
     let fit = stage.version.fit.iter().enumerate().map(|(place, name)| {
         let unit = stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
-        (name.clone(), measured(stage.train.point.knobs[place], error(&stage.train, place), unit))
+        (name.clone(), measured(stage.train.point.knobs[place], stage.error(place), unit))
     });
     fit.collect::<Map<_, _>>().into()
 }
 
 fn rival(number: usize, round: &Round, trial: &Trial) -> Value {
-    let count = trial.stage.train.count as f64;
     json!({
         "step": number,
         "name": trial.candidate.effect,
@@ -153,8 +139,8 @@ fn rival(number: usize, round: &Round, trial: &Trial) -> Value {
         "reads": trial.candidate.reads,
         "score": trial.score,
         "needed": round.needed,
-        "gap": (trial.stage.train.chi2 / count).sqrt(),
-        "held_out_gap": (trial.stage.test.chi2 / trial.stage.test.count as f64).sqrt(),
+        "gap": trial.stage.train.over_noise(),
+        "held_out_gap": trial.stage.test.over_noise(),
         "behind": {"by": trial.behind.sum, "error": trial.behind.error},
     })
 }

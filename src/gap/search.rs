@@ -5,7 +5,7 @@ use super::candidate::Candidate;
 use super::effect::Library;
 use super::graft::Attached;
 use super::model::ModelError;
-use super::score::{Advantage, advantage, colour, memory};
+use super::score::{Advantage, advantage};
 use super::site::Sites;
 use super::stage::{Effort, Problem, Stage};
 use super::whereabouts::Whereabouts;
@@ -239,12 +239,12 @@ impl Problem {
 
     /// What no noise explains, in sigmas rms.
     pub fn gap(&self, stage: &Stage) -> f64 {
-        (stage.train.chi2 / stage.train.count as f64 - 1.0).max(1e-6).sqrt()
+        (stage.train.reduced() - 1.0).max(1e-6).sqrt()
     }
 
     /// Whether what is left is more than noise.
     fn is_structured(&self, stage: &Stage) -> bool {
-        colour(&stage.train) > COLOURED
+        stage.colour > COLOURED
     }
 
     fn verdict(&self, base: &Stage, stage: &Stage, rounds: &[Round], left: f64) -> Verdict {
@@ -328,10 +328,7 @@ impl Round {
 
     fn of(before: &Stage, tried: Vec<(Candidate, Stage)>) -> Round {
         let best = tried.iter().map(|(_, stage)| stage).min_by(|a, b| a.train.chi2.total_cmp(&b.train.chi2));
-        let unit = best.map_or((1.0, 1.0), |best| {
-            let noise = best.train.chi2 / best.train.count as f64;
-            (noise.max(f64::MIN_POSITIVE), memory(&best.train))
-        });
+        let unit = best.map_or((1.0, 1.0), |best| (best.train.reduced().max(f64::MIN_POSITIVE), best.memory));
         let score = |stage: &Stage| {
             let numbers = (stage.version.fit.len() - before.version.fit.len()) as f64;
             let samples = before.train.count as f64 / unit.1;
@@ -375,7 +372,7 @@ impl Round {
         let is_simple = trial.stage.version.fit.len() <= best.stage.version.fit.len();
         let is_near = best.score - trial.score < APART_BY || (is_simple && trial.behind.ratio() < APART);
         // What leaves structure where another leaves noise is no rival.
-        let is_noise = |trial: &Trial| colour(&trial.stage.train) < COLOURED;
+        let is_noise = |trial: &Trial| trial.stage.colour < COLOURED;
         let is_as_good = is_noise(trial) || !is_noise(best);
         trial.candidate.effect != best.candidate.effect && trial.score > self.needed && is_near && is_as_good
     }

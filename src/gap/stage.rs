@@ -2,6 +2,7 @@
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
+use serde_json::json;
 
 use super::candidate::Candidate;
 use super::examine::{examine, peaks};
@@ -11,8 +12,9 @@ use super::graft::{Attached, Place, Role};
 use super::model::{Choice, Model, ModelError};
 use super::reach::Largest;
 use super::record::Record;
+use super::score::{colour, memory};
 use crate::circuit::Circuit;
-use crate::patch::{Patch, Unit};
+use crate::patch::{Edit, EditError, Patch, Unit};
 
 /// What a patch is held against.
 #[derive(Debug, Clone)]
@@ -50,6 +52,20 @@ pub struct Version {
     pub steps: u32,
 }
 
+impl Version {
+    /// The patch with what is fitted at these values, as one of a file.
+    ///
+    /// # Errors
+    /// None that is known: what is edited stands in the patch.
+    pub fn at(&self, file: &str, knobs: &[f64]) -> Result<Patch, EditError> {
+        let edits = self.fit.iter().zip(knobs).map(|(name, value)| Edit {
+            path: ["parameters", name, "value"].map(str::to_owned).to_vec(),
+            value: json!(value),
+        });
+        self.patch.edited(file, &edits.collect::<Vec<_>>())
+    }
+}
+
 /// A patch fitted.
 #[derive(Debug, Clone)]
 pub struct Stage {
@@ -59,14 +75,28 @@ pub struct Stage {
     pub train: Fitted,
     /// The same knobs on the other records: initial voltages are found there.
     pub test: Fitted,
+    /// How far what is left in training is from white: [`colour`].
+    pub colour: f64,
+    /// How long it remembers: [`memory`].
+    pub memory: f64,
     /// Where the fit to the pieces came to; nothing where the gap is so small that it was not needed.
     pub in_pieces: Option<Point>,
 }
 
 impl Stage {
+    fn new(version: Version, train: Fitted, test: Fitted, in_pieces: Option<Point>) -> Stage {
+        let (colour, memory) = (colour(&train), memory(&train));
+        Stage { version, train, test, colour, memory, in_pieces }
+    }
+
     /// Whether the gap is so large that fits may have lost their way.
     pub fn is_far(&self) -> bool {
-        self.train.chi2 >= FAR * FAR * self.train.count as f64
+        self.train.over_noise() >= FAR
+    }
+
+    /// The standard error of what is fitted at a place, as wide as what is left, and how long that remembers, makes it.
+    pub fn error(&self, place: usize) -> f64 {
+        self.train.errors[place] * (self.train.reduced().max(1.0) * self.memory).sqrt()
     }
 }
 
@@ -221,9 +251,9 @@ impl Problem {
             task.fit(&shares.try_fold(start.clone(), |at, until| grown(&at, *until))?)
         };
         let fits = whole.iter().chain(task.nearest(&from.starts, from.effort.starts)).filter_map(fit);
-        let Some(train) = fits.min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { return Ok(None) };
+        let Some(train) = Fitted::best_of(fits) else { return Ok(None) };
         let test = self.held(&version, &train.point, from.held)?;
-        Ok(test.map(|test| Stage { version, train, test, in_pieces }))
+        Ok(test.map(|test| Stage::new(version, train, test, in_pieces)))
     }
 
     /// Fits a patch to the pieces: where it comes to from the best of several points.
@@ -239,7 +269,7 @@ impl Problem {
         let model = self.model(version, &self.pieces, &self.outputs)?;
         let task = Task { most_rounds: effort.rounds, ..self.task(&model, &self.pieces, true) };
         let fits = task.nearest(starts, effort.starts).filter_map(|start| task.fit(start));
-        Ok(fits.min_by(|a, b| a.chi2.total_cmp(&b.chi2)).map(|fitted| fitted.point))
+        Ok(Fitted::best_of(fits).map(|fitted| fitted.point))
     }
 
     /// A point of the pieces as one of the records whole.
@@ -267,7 +297,7 @@ impl Problem {
         let before = from.map(|initial| Point { initial: filled(initial, &first.initial), ..first.clone() });
         let task = self.task(&model, &self.test, false);
         let fits = before.into_iter().chain([first]).filter_map(|point| task.fit(&point));
-        Ok(fits.min_by(|a, b| a.chi2.total_cmp(&b.chi2)))
+        Ok(Fitted::best_of(fits))
     }
 
     /// The first stage: a patch as it is, fitted from where it stands and from points scattered over the ranges of what is fitted.

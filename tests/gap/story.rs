@@ -105,7 +105,7 @@ fn the_data_are_those_of_fig_8_16_and_noise() {
     let problem = Problem::of(&experiment).unwrap();
     let stage = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
     for fitted in [&stage.train, &stage.test] {
-        let over = (fitted.chi2 / fitted.count as f64).sqrt();
+        let over = fitted.over_noise();
         assert!((over - 1.0).abs() < 0.05, "{over}");
     }
 }

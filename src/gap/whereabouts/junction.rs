@@ -1,7 +1,5 @@
 //! One junction: the force over time that closes the gap there, and the curves that it may be.
 
-use serde_json::json;
-
 use super::against::Variable;
 use super::evidence::Solved;
 use super::recovered::{setting, with_function, with_table};
@@ -12,7 +10,7 @@ use crate::gap::model::{Choice, ModelError, Table};
 use crate::gap::record::Record;
 use crate::gap::site::{Junction, Reading, Sites};
 use crate::gap::stage::{Problem, Stage, Version};
-use crate::patch::{Edit, Patch};
+use crate::patch::Patch;
 
 /// Over so many knots the force of all records goes, and over more where something is left.
 const KNOTS: [usize; 2] = [160, 400];
@@ -77,10 +75,10 @@ impl At<'_> {
         let mut drawn: Vec<Drawn> = drawn.collect();
         let best = self.best(&mut drawn, &variables, &found)?;
         let recovered = match &best {
-            Some((_, Some(closed))) => self.fitted(&closed.patch, &closed.found.point)?,
+            Some((_, Some(closed))) => self.at(&closed.patch, &closed.found)?,
             _ => {
                 let (patch, _) = with_table(&self.stage.version.patch, self.junction, &forces[0])?;
-                self.fitted(&patch, &found.point)?
+                self.at(&patch, &found)?
             }
         };
         Ok(Some(Whereabouts {
@@ -121,6 +119,11 @@ impl At<'_> {
         best
     }
 
+    /// The patch with its parameters as they were found.
+    fn at(&self, patch: &Patch, found: &Found) -> Result<Patch, ModelError> {
+        Ok(self.version(patch.clone()).at(patch.file(), &found.point.knobs)?)
+    }
+
     fn version(&self, patch: Patch) -> Version {
         Version { patch, ..self.stage.version.clone() }
     }
@@ -142,16 +145,6 @@ impl At<'_> {
     /// The share of the gap that is closed where so much is left.
     fn explains(&self, chi2: f64) -> f64 {
         share(&self.stage.train, chi2)
-    }
-
-    /// The patch with its parameters as fitted.
-    fn fitted(&self, patch: &Patch, point: &Point) -> Result<Patch, ModelError> {
-        let values = self.stage.version.fit.iter().zip(&point.knobs);
-        let edits = values.map(|(name, value)| Edit {
-            path: ["parameters", name, "value"].map(str::to_owned).to_vec(),
-            value: json!(value),
-        });
-        Ok(patch.edited(patch.file(), &edits.collect::<Vec<_>>())?)
     }
 
     fn forces(&self, shape: &Shape, found: &Found) -> Vec<Force> {

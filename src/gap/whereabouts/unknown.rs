@@ -1,7 +1,7 @@
 //! A force that nobody knows: wired to a junction as a table, and found by regularised least squares on what each of its numbers
 //! does to the outputs, beside knobs, initial voltages and offsets.
 
-use crate::gap::fit::{Point, Task};
+use crate::gap::fit::{Point, Task, nudged};
 use crate::gap::model::{Choice, Course, Table};
 use nalgebra::{DMatrix, DVector};
 
@@ -204,27 +204,20 @@ impl Sought<'_> {
     /// The free coordinates.
     fn free(&self) -> Vec<usize> {
         let task = &self.task;
-        let count = task.common() + task.records.len() * task.states();
-        (0..count).filter(|index| task.is_free(*index)).collect()
+        (0..task.states_of(task.records.len()).start).filter(|index| task.is_free(*index)).collect()
     }
 
     fn chi2(&self, standing: &Standing) -> Option<f64> {
-        let mut sum = 0.0;
-        for record in 0..self.task.records.len() {
+        let course = |record: usize| {
             let lane = self.lane(record, &standing.at, &standing.sought);
-            let course = self.task.model.run_tabled(record, self.table, &[lane]).pop()??;
-            let squares = self.residuals(&standing.at, record, &course);
-            sum += squares.iter().flatten().filter(|own| !own.is_nan()).map(|own| own * own).sum::<f64>();
-        }
-        Some(sum)
+            self.task.model.run_tabled(record, self.table, &[lane]).pop()?
+        };
+        let courses: Option<Vec<Course>> = (0..self.task.records.len()).map(course).collect();
+        Some(self.task.chi2(&standing.at, &courses?))
     }
 
     fn lane(&self, record: usize, at: &DVector<f64>, sought: &DVector<f64>) -> (Choice, Vec<[f64; 2]>) {
         (self.task.choice(at, record), self.shape.points(record, sought.as_slice()))
-    }
-
-    fn residuals(&self, at: &DVector<f64>, record: usize, course: &Course) -> Vec<Vec<f64>> {
-        (0..self.task.sigma.len()).map(|output| self.task.residual(at, record, output, course)).collect()
     }
 
     /// What every number does to the outputs, and what is left of them.
@@ -288,13 +281,6 @@ impl Sought<'_> {
     /// Whether a coordinate is one that runs of a record follow.
     fn matters(&self, index: usize, record: usize) -> bool {
         let task = &self.task;
-        let first = task.common() + record * task.states();
-        index < task.model.knobs.len() || (first..first + task.states()).contains(&index)
+        index < task.model.knobs.len() || task.states_of(record).contains(&index)
     }
-}
-
-fn nudged(at: &DVector<f64>, index: usize, by: f64) -> DVector<f64> {
-    let mut to = at.clone();
-    to[index] += by;
-    to
 }
