@@ -1,11 +1,10 @@
 //! What a search found, in words.
 
-use super::failure::plural;
 use super::table::Table;
 use patchcord::gap::Experiment;
 use patchcord::gap::search::{Outcome, Round};
 use patchcord::gap::stage::{Problem, Stage};
-use patchcord::gap::whereabouts::Whereabouts;
+use patchcord::gap::whereabouts::{self, Whereabouts};
 use patchcord::instruments::Display;
 
 /// So many trials are told of every round.
@@ -44,23 +43,8 @@ fn gaps(problem: &Problem, outcome: &Outcome) -> Table {
 
 /// Where and when something is missing.
 fn place(found: &[Whereabouts]) -> String {
-    let Some(best) = found.first() else { return String::new() };
-    let windows: Vec<[f64; 2]> = best.windows().collect();
-    let count = windows.len();
-    let first = windows.iter().copied().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-    let when = first.map_or_else(String::new, |[from, to]| {
-        let others = match count {
-            1 => String::new(),
-            _ => format!(" and at {}", plural(count as u64 - 1, "other time")),
-        };
-        format!(", between t = {} and {} s{others}", number(from), number(to))
-    });
-    let against = match best.best_against() {
-        "time" => "that goes with time alone".to_owned(),
-        signal => format!("of {signal}"),
-    };
-    let mut text =
-        format!("\nthe gap is best explained at {}{when}, as a force {against}\n\n", best.junction);
+    let Some(sentence) = whereabouts::sentence(found) else { return String::new() };
+    let mut text = format!("\n{sentence}\n\n");
     let mut table = Table::new(["at", "unit", "closes of the gap", "evidence", "goes with"]);
     for own in found {
         let share = format!("{} %", number(100.0 * own.explains));

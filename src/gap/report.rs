@@ -9,7 +9,7 @@ use super::whereabouts::Whereabouts;
 use crate::patch::{EditError, Patch};
 
 /// The standard errors on either side of a value between which it lies in 95 of 100 cases.
-const TWO_SIDED_95: f64 = 1.96;
+pub(super) const TWO_SIDED_95: f64 = 1.96;
 
 impl Outcome {
     /// Where the search came to: the last stage that was taken.

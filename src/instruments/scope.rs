@@ -66,22 +66,18 @@ pub fn picture(trace: &Trace, spec: &PictureSpec, note: Option<String>) -> Resul
         let points =
             along.values.iter().zip(&quantity.values).map(|(x, y)| (across.value(*x), scale.value(*y)));
         Channel {
-            name: quantity.name.to_owned(),
-            points: points.collect(),
             right: on_right,
             breaks: breaks.clone(),
             labels: std::mem::take(&mut labels),
-            dots: false,
+            ..Channel::line(quantity.name, points.collect())
         }
     });
     Ok(Picture {
-        title: title(spec),
         channels: channels.collect(),
-        horizontal,
-        vertical,
         vertical_right: second.map(|(axis, _)| axis),
         note,
         marks: marks(trace, &along, &across),
+        ..Picture::new(title(spec), horizontal, vertical)
     })
 }
 

@@ -32,15 +32,9 @@ fn picture(
     marks: &[Mark],
 ) -> Picture {
     let (low, high) = ends(response.points.iter().map(|point| point.frequency));
-    Picture {
-        title,
-        horizontal: Axis::ratios("frequency", "Hz", low, high),
-        vertical,
-        vertical_right: None,
-        channels: vec![Channel::line(&response.output, points)],
-        note,
-        marks: marks.to_vec(),
-    }
+    let horizontal = Axis::ratios("frequency", "Hz", low, high);
+    let channels = vec![Channel::line(&response.output, points)];
+    Picture { channels, note, marks: marks.to_vec(), ..Picture::new(title, horizontal, vertical) }
 }
 
 fn points(response: &Response, value: impl Fn(&ResponsePoint) -> f64) -> Vec<(f64, f64)> {

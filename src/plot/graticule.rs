@@ -16,10 +16,13 @@ const LEAST_MARK_GAP: f64 = 4.0;
 /// Half the thickness of every line of the graticule.
 const HALF: f64 = 0.5;
 
-/// Draws the empty screen with its division lines.
+/// Draws the empty screen.
+pub(super) fn ground(screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {
+    surface.rectangle((screen.left, screen.top), (screen.right, screen.bottom), palette::SCREEN)
+}
+
+/// Draws the division lines of the screen.
 pub(super) fn draw(picture: &Picture, screen: Area, surface: &mut dyn Surface) -> Result<(), PlotError> {
-    let corners = ((screen.left, screen.top), (screen.right, screen.bottom));
-    surface.rectangle(corners.0, corners.1, palette::SCREEN)?;
     for strong in [false, true] {
         let colour = if strong { palette::CENTRE } else { palette::GRID };
         for line in inner_lines(&picture.horizontal, strong) {

@@ -63,7 +63,7 @@ struct Head<'a> {
 impl Head<'_> {
     /// Writes the title and, if there is room beside it, the legend, and gives back
     /// what of the legend is still to be written.
-    fn title_row(&mut self, title: &str, legend: Vec<Entry>) -> Result<Vec<Entry>, PlotError> {
+    fn title_row<'a>(&mut self, title: &str, legend: Vec<Entry<'a>>) -> Result<Vec<Entry<'a>>, PlotError> {
         let room = self.frame.text_room();
         let title_width = self.font.width(title, TITLE_TEXT);
         let beside = !legend.is_empty() && width(&legend) <= room - title_width - BETWEEN;
@@ -84,15 +84,13 @@ impl Head<'_> {
         self.surface.text(&text, (MARGIN, self.baseline), lettering)
     }
 
-    fn legend_row(&mut self, row: &[Entry], left: f64) -> Result<(), PlotError> {
+    fn legend_row(&mut self, row: &[Entry<'_>], left: f64) -> Result<(), PlotError> {
         let lettering = Lettering { size: LABEL_TEXT, colour: palette::TEXT, align: Align::Start };
         let mut x = left;
         for entry in row {
             let y = self.baseline - SAMPLE_ABOVE;
-            match entry.dots {
-                true => self.surface.line(&[(x + SAMPLE / 2.0, y)], trace::DOT, entry.colour)?,
-                false => self.surface.line(&[(x, y), (x + SAMPLE, y)], trace::SAMPLE_WIDTH, entry.colour)?,
-            }
+            let (width, points) = trace::sample(entry.channel, (x, y), SAMPLE);
+            self.surface.line(&points, width, entry.colour)?;
             let at = (x + SAMPLE + SAMPLE_GAP, self.baseline);
             self.surface.text(&entry.name, at, lettering)?;
             x += entry.width + BETWEEN;
@@ -102,26 +100,26 @@ impl Head<'_> {
 }
 
 /// One channel in the legend.
-struct Entry {
+struct Entry<'a> {
     name: String,
     width: f64,
     colour: RGBColor,
-    dots: bool,
+    channel: &'a Channel,
 }
 
 /// A single channel needs no legend, unless it is read at the right.
-fn legend(picture: &Picture, font: &Font, room: f64) -> Vec<Entry> {
+fn legend<'a>(picture: &'a Picture, font: &Font, room: f64) -> Vec<Entry<'a>> {
     if picture.channels.len() < 2 && picture.vertical_right.is_none() {
         return Vec::new();
     }
     let room = room - SAMPLE - SAMPLE_GAP;
-    let entry = |(index, channel): (usize, &Channel)| {
+    let entry = |(index, channel): (usize, &'a Channel)| {
         let name = font.shortened_before(reading(picture, channel), &channel.name, LABEL_TEXT, room);
         Entry {
             width: SAMPLE + SAMPLE_GAP + font.width(&name, LABEL_TEXT),
             name,
-            colour: palette::trace(index),
-            dots: channel.dots,
+            colour: palette::channel(index, channel),
+            channel,
         }
     };
     picture.channels.iter().enumerate().map(entry).collect()
@@ -136,14 +134,14 @@ fn reading(picture: &Picture, channel: &Channel) -> &'static str {
     }
 }
 
-fn width(row: &[Entry]) -> f64 {
+fn width(row: &[Entry<'_>]) -> f64 {
     let gaps = row.len().saturating_sub(1) as f64 * BETWEEN;
     row.iter().map(|entry| entry.width).sum::<f64>() + gaps
 }
 
 /// The legend broken into rows no wider than the room.
-fn rows(legend: Vec<Entry>, room: f64) -> Vec<Vec<Entry>> {
-    let mut rows: Vec<Vec<Entry>> = Vec::new();
+fn rows(legend: Vec<Entry<'_>>, room: f64) -> Vec<Vec<Entry<'_>>> {
+    let mut rows: Vec<Vec<Entry<'_>>> = Vec::new();
     for entry in legend {
         match rows.last_mut() {
             Some(row) if width(row) + BETWEEN + entry.width <= room => row.push(entry),

@@ -6,6 +6,7 @@
 //! [`render_drawing`] makes a file of it. Nothing here knows where the numbers come from.
 
 mod axis;
+mod band;
 mod clip;
 mod draw;
 mod drawing;

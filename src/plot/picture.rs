@@ -17,6 +17,8 @@ pub struct Picture {
     pub note: Option<String>,
     /// Places along the foot at which something happened, drawn as thin upright lines with labels.
     pub marks: Vec<Mark>,
+    /// Stretches along the foot that stand out, from where to where: the screen is darker there.
+    pub spans: Vec<[f64; 2]>,
 }
 
 /// A place along the foot of the screen at which something happened.
@@ -44,12 +46,25 @@ pub struct Channel {
     pub labels: Vec<(usize, String)>,
     /// Whether the points are dots that no line joins, as measurements are.
     pub dots: bool,
+    /// By how much each point may be off, up and down: a band behind a line, a bar through a dot. Empty where that is not told.
+    pub errors: Vec<f64>,
+    /// Whether the trace stands behind the others, grey and small.
+    pub faint: bool,
 }
 
 impl Channel {
     /// A line through points, read at the left.
     pub fn line(name: impl Into<String>, points: Vec<(f64, f64)>) -> Channel {
-        Channel { name: name.into(), points, right: false, breaks: vec![], labels: vec![], dots: false }
+        Channel {
+            name: name.into(),
+            points,
+            right: false,
+            breaks: vec![],
+            labels: vec![],
+            dots: false,
+            errors: vec![],
+            faint: false,
+        }
     }
 
     /// Points that no line joins, read at the left.
@@ -61,8 +76,8 @@ impl Channel {
 impl Picture {
     /// A picture with nothing on its screen yet.
     pub fn new(title: impl Into<String>, horizontal: Axis, vertical: Axis) -> Picture {
-        let (vertical_right, channels, note, marks) = (None, vec![], None, vec![]);
-        Picture { title: title.into(), horizontal, vertical, vertical_right, channels, note, marks }
+        let (vertical_right, channels, note, marks, spans) = (None, vec![], None, vec![], vec![]);
+        Picture { title: title.into(), horizontal, vertical, vertical_right, channels, note, marks, spans }
     }
 
     /// The vertical axis on which a channel is read.

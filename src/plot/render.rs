@@ -86,15 +86,10 @@ mod tests {
 
     fn picture(channels: Vec<Channel>) -> Picture {
         let values = || channels.iter().flat_map(|channel| &channel.points);
-        Picture {
-            title: "Stick & <slip>".to_owned(),
-            horizontal: Axis::fit("t", "s", values().map(|at| at.0), Axis::ACROSS),
-            vertical: Axis::fit("v_o", "mm/s", values().map(|at| at.1), Axis::UP),
-            vertical_right: None,
-            channels,
-            note: Some("100 ms/div".to_owned()),
-            marks: vec![],
-        }
+        let horizontal = Axis::fit("t", "s", values().map(|at| at.0), Axis::ACROSS);
+        let vertical = Axis::fit("v_o", "mm/s", values().map(|at| at.1), Axis::UP);
+        let note = Some("100 ms/div".to_owned());
+        Picture { channels, note, ..Picture::new("Stick & <slip>", horizontal, vertical) }
     }
 
     fn wave() -> Picture {
@@ -169,6 +164,53 @@ mod tests {
         assert!(!render(&[marked], Format::Png, Size::default()).unwrap().is_empty());
     }
 
+    /// The corners of the areas of a file.
+    fn areas(text: &str) -> Vec<Vec<(f64, f64)>> {
+        let corner = |pair: &str| {
+            let (x, y) = pair.split_once(',').unwrap();
+            (x.parse().unwrap(), y.parse().unwrap())
+        };
+        let corners = |part: &str| part.split('"').next().unwrap().split_whitespace().map(corner).collect();
+        text.split("<polygon").skip(1).map(|part| corners(part.split("points=\"").nth(1).unwrap())).collect()
+    }
+
+    #[test]
+    fn errors_are_bands_behind_lines_and_bars_through_dots() {
+        let errors = vec![0.5, 0.5, 0.5, 99.0];
+        let points = vec![(0.0, 0.0), (4.0, 1.0), (f64::NAN, 0.0), (8.0, 2.0)];
+        let line = Channel { errors: errors.clone(), ..channel("line", points.clone()) };
+        let dots = Channel { errors, ..Channel::dots("dots", points) };
+        let plain = picture(vec![channel("line", line.points.clone())]);
+        let lines = |picture: Picture| svg(&[picture]).matches("<polyline").count();
+        let banded = svg(&[Picture { channels: vec![line], ..plain.clone() }]);
+        // What lies beyond the screen ends at its edge.
+        let heights = areas(&banded).into_iter().map(|corners| {
+            let ends =
+                corners.iter().map(|at| at.1).fold([f64::MAX, f64::MIN], |[a, b], y| [a.min(y), b.max(y)]);
+            ends[1] - ends[0]
+        });
+        let heights: Vec<f64> = heights.collect();
+        assert_eq!(heights.len(), 2);
+        assert!(heights[0] > 0.0 && heights[1] > heights[0] && heights[1] < 5600.0, "{heights:?}");
+        let barred = Picture { channels: vec![dots.clone()], ..plain.clone() };
+        let bare = Picture { channels: vec![Channel { errors: vec![], ..dots }], ..plain.clone() };
+        assert_eq!(lines(barred), lines(bare) + 3);
+    }
+
+    #[test]
+    fn what_is_faint_stands_behind_and_spans_behind_all() {
+        let faint = Channel { faint: true, ..channel("scatter", vec![(0.0, 0.0), (9.0, 3.0)]) };
+        let marked = Picture { spans: vec![[2.0, 4.0], [9.0, 99.0]], ..wave() };
+        let rectangles = |picture: Picture| svg(&[picture]).matches("<rect").count();
+        assert_eq!(rectangles(marked), rectangles(wave()) + 2);
+        let mut both = wave();
+        both.channels.push(faint);
+        let text = svg(&[both]);
+        let lines: Vec<&str> = text.split("<polyline").collect();
+        let [before, last] = [lines[lines.len() - 2], lines[lines.len() - 1]];
+        assert!(before.contains("#B0B7C0") && last.contains("#0B3D91"), "{before} {last}");
+    }
+
     #[test]
     fn odd_pictures_are_drawn() {
         let nan = f64::NAN;
@@ -186,6 +228,10 @@ mod tests {
         odd.marks = marks.map(|at| Mark { at, label: "mark ".repeat(200) }).to_vec();
         odd.channels[1].labels = vec![(0, "label ".repeat(200)), (1, String::new())];
         odd.channels[2].labels = vec![(1, "far".to_owned())];
+        odd.channels[1].errors = vec![f64::NAN, 1.0];
+        odd.channels[2].errors = vec![f64::MAX, f64::INFINITY];
+        odd.channels[3].errors = vec![1.0; 7];
+        odd.spans = vec![[f64::NAN, 1.0], [f64::MIN, f64::MAX], [1.0, 0.0]];
         odd.channels.extend((0..40).map(|n| channel(&format!("channel number {n}"), vec![])));
         let size = Size { width: Size::LEAST, height: Size::LEAST };
         for format in [Format::Svg, Format::Png] {

@@ -1,9 +1,7 @@
-use plotters::style::RGBColor;
-
 use super::clip::{Area, clipped};
 use super::surface::Surface;
 use super::thin::{drop_repeats, is_finite, is_one_way, thin};
-use super::{Channel, Picture, PlotError};
+use super::{Channel, Picture, PlotError, palette};
 
 /// Thickness of a trace.
 const WIDTH: f64 = 1.6;
@@ -11,8 +9,12 @@ const WIDTH: f64 = 1.6;
 /// Radius of a dot: a line of one point is a disc as wide as its thickness to either side.
 pub(super) const DOT: f64 = 4.0;
 
+/// The same of what stands behind.
+const FAINT_WIDTH: f64 = 1.0;
+const FAINT_DOT: f64 = 2.2;
+
 /// Thickness of the sample of a trace in the legend.
-pub(super) const SAMPLE_WIDTH: f64 = 2.4;
+const SAMPLE_WIDTH: f64 = 2.4;
 
 /// Points closer than half a pixel add nothing to a trace.
 const POINTS_PER_PIXEL: f64 = 2.0;
@@ -38,27 +40,43 @@ pub(super) fn lines(picture: &Picture, channel: &Channel, screen: Area, unit: f6
         right: screen.right + TOLERANCE,
         bottom: screen.bottom + TOLERANCE,
     };
-    runs(channel)
+    runs(&channel.points, channel)
         .into_iter()
         .map(|run| onto.thinned(run, fineness))
         .flat_map(|run| clipped(&run, window))
         .collect()
 }
 
-/// Draws lines, or dots, in the colour of their channel.
+/// Draws the lines, or dots, of a channel in its colour.
 pub(super) fn draw(
     lines: &[Line],
-    dots: bool,
-    colour: RGBColor,
+    (index, channel): (usize, &Channel),
     surface: &mut dyn Surface,
 ) -> Result<(), PlotError> {
-    let width = if dots { DOT } else { WIDTH };
-    lines.iter().try_for_each(|line| surface.line(line, width, colour))
+    let colour = palette::channel(index, channel);
+    lines.iter().try_for_each(|line| surface.line(line, width(channel), colour))
 }
 
-/// The stretches of points drawn without lifting the pen.
-fn runs(channel: &Channel) -> Vec<&[(f64, f64)]> {
-    let points = channel.points.as_slice();
+fn width(channel: &Channel) -> f64 {
+    match (channel.dots, channel.faint) {
+        (true, false) => DOT,
+        (true, true) => FAINT_DOT,
+        (false, false) => WIDTH,
+        (false, true) => FAINT_WIDTH,
+    }
+}
+
+/// The sample of a trace in the legend: from a place along a line that it is as long as, its thickness and the points.
+pub(super) fn sample(channel: &Channel, (x, y): (f64, f64), length: f64) -> (f64, Line) {
+    match (channel.dots, channel.faint) {
+        (true, _) => (width(channel), vec![(x + length / 2.0, y)]),
+        (false, true) => (FAINT_WIDTH, vec![(x, y), (x + length, y)]),
+        (false, false) => (SAMPLE_WIDTH, vec![(x, y), (x + length, y)]),
+    }
+}
+
+/// The stretches of points of a channel drawn without lifting the pen.
+pub(super) fn runs<'a>(points: &'a [(f64, f64)], channel: &Channel) -> Vec<&'a [(f64, f64)]> {
     if channel.dots {
         return points.chunks(1).filter(|point| is_finite(point[0])).collect();
     }

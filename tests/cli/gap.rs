@@ -127,14 +127,18 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     // Every effect that was tried stands on the page, and pictures do.
     assert!(page.contains("<p class=\"verdict\">saturation at u is missing</p>"));
     assert!(page.contains(&format!("Round 1: {rivals} effects and places tried")));
-    assert_eq!(
-        page.matches("<tr").count() - page.matches("<tr>").count(),
-        1,
-        "one row is told apart: the best"
-    );
-    assert_eq!(page.matches("<svg class=\"picture\"").count(), 8);
-    assert!(!page.contains("NaN"));
     let best = &report["where"][0];
+    let curves = best["curves"].as_array().unwrap();
+    let is_over_time = best["best_against"] == "time";
+    let told_apart = page.matches("<tr").count() - page.matches("<tr>").count();
+    assert_eq!(
+        told_apart,
+        3 - usize::from(is_over_time),
+        "the best effect, the best junction, the best curve"
+    );
+    let pictures = 8 + best["records"].as_array().unwrap().len() + curves.len();
+    assert_eq!(page.matches("<svg class=\"picture\"").count(), pictures);
+    assert!(!page.contains("NaN"));
     let told = format!("the gap is best explained at {}", best["junction"].as_str().unwrap());
     assert!(text.contains(&told) && text.contains(best["best_against"].as_str().unwrap()), "{text}");
     // What has a name needs no curve.

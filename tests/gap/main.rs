@@ -5,6 +5,7 @@
 mod bad;
 #[path = "../common/mutated.rs"]
 mod mutated;
+mod page;
 mod reading;
 mod search;
 mod spoilt;

@@ -17,7 +17,7 @@ use patchcord::solve::{RunSettings, run};
 use serde_json::{Value, json};
 
 /// Something that is hidden in a patch, and the records that it makes.
-struct Hidden {
+pub struct Hidden {
     /// Name of the patch in tests/gap/systems.
     system: &'static str,
     /// What is put into it.
@@ -31,7 +31,7 @@ struct Hidden {
 }
 
 impl Hidden {
-    fn patch(&self) -> Patch {
+    pub fn patch(&self) -> Patch {
         Patch::read(&self.file()).unwrap()
     }
 
@@ -69,6 +69,14 @@ impl Hidden {
 
     /// Measures it, with noise, and fits the patch as it is.
     fn fitted(&self) -> (Problem, Stage) {
+        let experiment = self.measured();
+        let problem = Problem::of(&experiment).unwrap();
+        let stage = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
+        (problem, stage)
+    }
+
+    /// Measures it, with noise.
+    pub fn measured(&self) -> Experiment {
         let folder = tempfile::tempdir().unwrap();
         let names: Vec<&str> = self.outputs.iter().map(|output| output.0).collect();
         let mut dice = ChaCha8Rng::seed_from_u64(4);
@@ -94,10 +102,7 @@ impl Hidden {
             "outputs": outputs.collect::<serde_json::Map<_, _>>(), "fit": self.fit,
         });
         let experiment = Experiment::parse_in(folder.path(), "experiment.json", &experiment.to_string());
-        let experiment = experiment.unwrap_or_else(|error| panic!("{error}"));
-        let problem = Problem::of(&experiment).unwrap();
-        let stage = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
-        (problem, stage)
+        experiment.unwrap_or_else(|error| panic!("{error}"))
     }
 }
 
@@ -130,7 +135,7 @@ fn inflow(time: f64) -> f64 {
 }
 
 /// A hill of force at 0.05 m pushes an oscillator away.
-fn oscillator() -> Hidden {
+pub fn oscillator() -> Hidden {
     let points: Vec<[f64; 2]> =
         (-100..=100).map(|volts| [f64::from(volts), hill(0.004 * f64::from(volts)) / 2.0]).collect();
     Hidden {

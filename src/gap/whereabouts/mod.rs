@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 use super::model::ModelError;
 use super::site::Junction;
 use super::stage::{Problem, Stage};
+use crate::instruments::Display;
 use crate::patch::Patch;
 use crate::pool;
 
@@ -94,10 +95,42 @@ impl Problem {
     }
 }
 
+/// Junctions whose evidence differs by less cannot be told apart.
+const TOLD_APART: f64 = 10.0;
+
+/// Where the gap is best explained, when, and by what force, in words; `found` has the most likely junction first.
+pub fn sentence(found: &[Whereabouts]) -> Option<String> {
+    let best = found.first()?;
+    let is_near = |own: &&Whereabouts| best.evidence - own.evidence < TOLD_APART;
+    let near: Vec<&str> = found.iter().filter(is_near).map(|own| own.junction.as_str()).collect();
+    let apart = if near.len() > 1 { ", which these data cannot tell apart" } else { "" };
+    let against = match best.best_against() {
+        "time" => "that goes with time alone".to_owned(),
+        signal => format!("of {signal}"),
+    };
+    let (at, when) = (near.join(" or "), best.when());
+    Some(format!("the gap is best explained at {at}{apart}{when}, as a force {against}"))
+}
+
 impl Whereabouts {
     /// What the force goes with best: a signal or drive, or "time".
     pub fn best_against(&self) -> &str {
         self.best.map_or("time", |best| &self.curves[best].against)
+    }
+
+    /// The longest time for which it acts, and how many others there are, in words.
+    fn when(&self) -> String {
+        let windows: Vec<[f64; 2]> = self.windows().collect();
+        let others = match windows.len() {
+            0 | 1 => String::new(),
+            2 => " and at another time".to_owned(),
+            count => format!(" and at {} other times", count - 1),
+        };
+        let longest = windows.into_iter().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+        let told = |time: f64| Display::new("", 1.0).number(time);
+        longest.map_or_else(String::new, |[from, to]| {
+            format!(", between t = {} and {} s{others}", told(from), told(to))
+        })
     }
 
     /// From when to when it acts, in all records.

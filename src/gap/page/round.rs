@@ -1,0 +1,87 @@
+//! A round of the search: what was tried, and why the best was taken or not.
+
+use super::Told;
+use super::sheet::{bar, escaped_text, number, over_noise, table};
+use crate::gap::search::{Round, Trial};
+use crate::html::escaped;
+use crate::plot::PlotError;
+
+/// The section of the round at a place, counted from 1.
+pub(super) fn section(told: &Told<'_>, place: usize, round: &Round) -> Result<String, PlotError> {
+    let Some(best) = round.trials.first() else { return Ok(String::new()) };
+    let count = round.trials.len();
+    Ok(format!(
+        "<section>\n<h2>Round {place}: {count} effects and places tried</h2>\n<p class=\"reading\">{}</p>\n{}{}\
+         <details open><summary>All of them; a score of {} is needed</summary>\n{}</details>\n</section>\n",
+        escaped(&judged(round, best)),
+        effect(told, best),
+        told.pictures(&[("before", &round.before), (&best.named(), &best.stage)])?,
+        number(round.needed),
+        trials(round)
+    ))
+}
+
+/// The physics of the best.
+fn effect(told: &Told<'_>, best: &Trial) -> String {
+    let Some(effect) = told.library.get(&best.candidate.effect) else { return String::new() };
+    let [title, physics, law] = [&effect.title, &effect.physics, &effect.law].map(escaped_text);
+    format!("<p><b>{title}</b>. {physics} <code>{law}</code></p>\n")
+}
+
+/// Every trial, the best first.
+fn trials(round: &Round) -> String {
+    let most = round.before.train.chi2;
+    let rows = round.trials.iter().enumerate().map(|(rank, trial)| {
+        let cells = vec![
+            escaped(&trial.candidate.effect),
+            escaped(&trial.candidate.junction),
+            escaped(&trial.candidate.reads.join(", ")),
+            number(trial.score),
+            bar((trial.stage.train.chi2 / most).sqrt()),
+            over_noise(&trial.stage.train),
+            over_noise(&trial.stage.test),
+            escaped(&remark(round, rank, trial)),
+        ];
+        (rank == 0, cells)
+    });
+    let headings = ["effect", "at", "reads", "score", "gap that is left", "training", "held back", "why not"];
+    table(&headings, rows)
+}
+
+/// What a round came to.
+fn judged(round: &Round, best: &Trial) -> String {
+    let held = format!(
+        "on the data held back it lowers the sum of squares, in those of the noise, by {} ± {}",
+        number(round.confirmed.sum),
+        number(round.confirmed.error)
+    );
+    let score = format!("{} is the best, with a score of {}", best.named(), number(best.score));
+    match (round.taken, round.tied) {
+        (true, 1) => format!("{score}; {held}. It is taken."),
+        (true, tied) => format!(
+            "{score}; {held}. It is taken, although the data cannot tell it from {} others.",
+            tied - 1
+        ),
+        (false, _) if best.score <= round.needed => {
+            format!(
+                "{score}, which is less than the {} that so many trials ask for. None is taken.",
+                number(round.needed)
+            )
+        }
+        (false, _) => format!("{score}; but {held}, which is no evidence. None is taken."),
+    }
+}
+
+/// Why a trial is not the one.
+fn remark(round: &Round, rank: usize, trial: &Trial) -> String {
+    if rank == 0 {
+        return if round.taken { "taken".to_owned() } else { String::new() };
+    }
+    if round.is_tied(trial) {
+        return "the data cannot tell it from the first".to_owned();
+    }
+    if trial.score <= round.needed {
+        return "explains too little".to_owned();
+    }
+    format!("behind by {} ± {}", number(trial.behind.sum), number(trial.behind.error))
+}

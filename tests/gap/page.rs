@@ -1,0 +1,56 @@
+//! The page of a search: what stands on it is what was found.
+
+use patchcord::gap::effect::Library;
+use patchcord::gap::page::{Told, page};
+use patchcord::gap::search::{Means, Outcome};
+use patchcord::gap::stage::Problem;
+
+use crate::r#where::oscillator;
+
+/// The section of a page under a heading.
+fn section<'a>(page: &'a str, heading: &str) -> Option<&'a str> {
+    let from = page.split(&format!("<h2>{heading}</h2>")).nth(1)?;
+    from.split("</section>").next()
+}
+
+/// The page of a hill of force that no library knows.
+fn hill() -> (Outcome, String) {
+    let experiment = oscillator().measured();
+    let problem = Problem::of(&experiment).unwrap();
+    let library = Library::default();
+    let with = Means { library: &library, threads: 1, seed: 1 };
+    let outcome = problem.search(&experiment.patch, &experiment.fit, &with, |_, _| ()).unwrap().unwrap();
+    let told = Told { experiment: &experiment, problem: &problem, outcome: &outcome, library: &library };
+    let page = page(&told).unwrap();
+    (outcome, page)
+}
+
+#[test]
+fn where_and_when_stands_on_the_page_with_every_point_of_it() {
+    let (outcome, page) = hill();
+    let section = section(&page, "Where and when something is missing").unwrap();
+    let best = &outcome.whereabouts[0];
+    assert!(
+        section.contains("The gap is best explained at IV, between t = ")
+            && section.contains("as a force of x.")
+    );
+    for own in &outcome.whereabouts {
+        assert!(section.contains(&format!("<td>{}<td>{}", own.junction, own.unit)), "{}", own.junction);
+    }
+    let shapes = |shape: &str, colour: &str| {
+        let all = section.split(shape).skip(1).filter_map(|rest| rest.split('>').next());
+        all.filter(|rest| rest.contains(colour)).count()
+    };
+    // A picture of the force over time, with a band for its errors and what is darker when it acts, and one of each curve.
+    assert_eq!(section.matches("<svg class=\"picture\"").count(), 1 + best.curves.len());
+    assert_eq!((shapes("<polygon", ""), shapes("<rect", "#ECEEF1")), (1, best.windows().count()));
+    // Every point is there, and one beside each name in the legends.
+    let scatter: usize = best.curves.iter().map(|curve| curve.scatter.len() + 1).sum();
+    assert_eq!(shapes("<circle", "#B0B7C0"), scatter);
+    let falling = best.curves.iter().filter_map(|curve| curve.by_direction.as_ref());
+    assert_eq!(shapes("<circle", "#D55E00"), falling.map(|[_, falling]| falling.len() + 1).sum::<usize>());
+    let curve = &best.curves[best.best.unwrap()];
+    let numbers = section.split("The curve in numbers").nth(1).unwrap();
+    assert_eq!(numbers.matches("<tr>").count(), 1 + curve.points.len());
+    assert!(section.contains("href=\"recovered.json\"") && !page.contains("NaN"));
+}
