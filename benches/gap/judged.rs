@@ -63,7 +63,7 @@ impl Judged {
         let experiment = Experiment::read(&hidden.experiment(number)).map_err(|error| error.to_string())?;
         let problem = Problem::of(&experiment)?;
         let with = Means { library, threads: 1, seed: 1 };
-        let found = problem.search(&experiment.patch, &experiment.fit, &with, |_, _| ())?;
+        let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ())?;
         let seconds = began.elapsed().as_secs_f64();
         let Some(found) = found else { return Err(format!("case {number} cannot be run").into()) };
         let effects = found.document(&problem)["effects"].as_array().cloned().unwrap_or_default();

@@ -108,9 +108,18 @@ pub(super) fn check_apart<'a>(
     patch: &'a Path,
     paths: impl Iterator<Item = &'a PathBuf>,
 ) -> Result<(), Failure> {
-    let own = place(patch)?;
+    check_not("the patch", patch, paths)
+}
+
+/// Refuses files that would be written twice, or over a file that is read.
+pub(super) fn check_not<'a>(
+    what: &str,
+    read: &Path,
+    paths: impl Iterator<Item = &'a PathBuf>,
+) -> Result<(), Failure> {
+    let own = place(read)?;
     match places(paths)?.iter().find(|(_, place)| *place == own) {
-        Some((path, _)) => Err(Failure::usage(format!("{} is the patch itself", path.display()))),
+        Some((path, _)) => Err(Failure::usage(format!("{} is {what} itself", path.display()))),
         None => Ok(()),
     }
 }

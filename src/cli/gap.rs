@@ -4,16 +4,15 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::thread;
 
-use clap::Args;
-use serde_json::Value;
-
 use super::failure::{Failure, tell_report};
-use super::files::{prepare, put};
+use super::gap_files::Folder;
 use super::progress::Bar;
 use super::{effects, gap_check, gap_report, say, say_json};
+use clap::Args;
 use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
-use patchcord::gap::page::{self, Told};
+use patchcord::gap::page::Told;
+use patchcord::gap::progress::{Part, Progress};
 use patchcord::gap::search::{Means, Outcome};
 use patchcord::gap::stage::Problem;
 
@@ -24,8 +23,8 @@ pub(super) struct Arguments {
     /// Only check the data: sampling, gaps, noise, steps of the recorder, how fast columns move
     #[arg(long, conflicts_with_all = ["out", "effects", "seed", "threads"])]
     check: bool,
-    /// Write the patch with what was missing (augmented.json) and the report (report.html, report.json) into this folder; where it
-    /// has no name, the patch with its force as a curve (recovered.json), too
+    /// Write into this folder the report (report.html, report.json), the patch as fitted (fitted.json) and with what is missing in
+    /// it (augmented.json); where that has no name, with its force as a curve instead (recovered.json)
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Take the effects of this folder as well: every .json file in it
@@ -42,12 +41,6 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-/// The files that a search leaves.
-const AUGMENTED: &str = "augmented.json";
-const REPORT: &str = "report.json";
-const PAGE: &str = "report.html";
-const RECOVERED: &str = "recovered.json";
-
 pub(super) fn gap(arguments: &Arguments) -> Result<(), Failure> {
     carried_out(arguments).map_err(|failure| failure.told_as_json(arguments.json))
 }
@@ -61,32 +54,39 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
             false => say(&gap_check::told(&experiment)),
         };
     }
-    let files = [AUGMENTED, REPORT, PAGE, RECOVERED];
-    let paths = arguments.out.as_ref().map(|folder| files.map(|file| folder.join(file)));
-    prepare(arguments.out.as_deref(), paths.iter().flatten())?;
+    let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, &experiment)).transpose()?;
     let library = effects::known(arguments.effects.as_deref())?;
     let (problem, outcome) = searched(arguments, &experiment, &library)?;
     let mut document = outcome.document(&problem);
-    let mut wrote: Vec<&PathBuf> = Vec::new();
-    if let Some([augmented, report, page, recovered]) = &paths {
-        let patch = outcome.patch(AUGMENTED).map_err(|error| Failure::data(error.to_string()))?;
-        put(augmented, patch.text().as_bytes())?;
-        document["patch"] = Value::from(augmented.display().to_string());
-        wrote.extend([augmented, report, page]);
-        if let Some(patch) = outcome.recovered() {
-            put(recovered, patch.text().as_bytes())?;
-            document["recovered"] = Value::from(recovered.display().to_string());
-            wrote.push(recovered);
-        }
-        put(report, format!("{document:#}\n").as_bytes())?;
-        let told = Told { experiment: &experiment, problem: &problem, outcome: &outcome, library: &library };
-        put(page, page::page(&told).map_err(|error| Failure::data(error.to_string()))?.as_bytes())?;
-    }
+    let told = Told { experiment: &experiment, problem: &problem, outcome: &outcome, library: &library };
+    let done = folder.map(|folder| folder.write(&told, &mut document)).transpose()?.unwrap_or_default();
     if arguments.json {
         return say_json(&document);
     }
-    let wrote = wrote.into_iter().map(|path| format!("wrote {}\n", path.display()));
-    say(&format!("{}{}", gap_report::told(&experiment, &problem, &outcome), wrote.collect::<String>()))
+    let gap = if done.is_empty() { "" } else { "\n" };
+    say(&format!("{}{gap}{done}", gap_report::told(&experiment, &problem, &outcome)))
+}
+
+/// What a search is doing, in words.
+fn doing(at: Progress) -> String {
+    match at.part {
+        Part::Base => "fitting the patch as it is".to_owned(),
+        Part::Quick => format!("effects looked at quickly, round {}", at.round),
+        Part::Full => format!("of the best gone through with, round {}", at.round),
+        Part::Growing => format!("of the best fitted step by step, round {}", at.round),
+        Part::Where => "looking for where and when something is missing".to_owned(),
+    }
+}
+
+fn tell(bar: &mut Bar, at: Progress) {
+    let words = doing(at);
+    match at.all {
+        0 => bar.busy(&words),
+        all => {
+            bar.turn_to(&words);
+            bar.done(at.done, all);
+        }
+    }
 }
 
 fn searched(
@@ -98,9 +98,9 @@ fn searched(
     let with = Means { library, threads: arguments.threads.map_or(cores, usize::from), seed: arguments.seed };
     let failed = |error: patchcord::gap::model::ModelError| Failure::data(error.to_string());
     let problem = Problem::of(experiment).map_err(failed)?;
-    let mut bar = Bar::new("effects tried");
-    let tell = |done: u64, all: u64| bar.iter_mut().for_each(|bar| bar.done(done, all));
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, tell).map_err(failed)?;
+    let mut bar = Bar::new("effects");
+    let progress = |at: Progress| bar.iter_mut().for_each(|bar| tell(bar, at));
+    let found = problem.search(&experiment.patch, &experiment.fit, &with, progress).map_err(failed)?;
     let outcome = found.ok_or_else(|| {
         Failure::data(format!(
             "{} cannot be run beside the data from any of the points tried: look at its scales and at the ranges of what is fitted",

@@ -10,6 +10,7 @@ mod failure;
 mod files;
 mod gap;
 mod gap_check;
+mod gap_files;
 mod gap_report;
 mod instant;
 mod linear_report;
@@ -68,7 +69,7 @@ enum Command {
     Slideway(slideway::Arguments),
     /// Explain a velocity profile: where it sticks and slips, oscillates and slides, while the command rises
     Profile(profile::Arguments),
-    /// Hold a patch against what was measured: for now, check the data of an experiment
+    /// Hold a patch against what was measured: what is missing in it, where and when, and a patch that has it
     Gap(gap::Arguments),
     /// Draw the schematic of a patch, or the patch panel with its cords
     Draw(draw::Arguments),

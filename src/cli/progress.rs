@@ -24,12 +24,16 @@ impl Line {
     /// Writes what is to be told, where the last telling lies far enough back.
     fn show(&mut self, told: impl FnOnce() -> String) {
         let now = Instant::now();
-        if now < self.next {
-            return;
+        if now >= self.next {
+            self.next = now + BETWEEN_LINES;
+            self.write(&told());
         }
-        (self.next, self.shown) = (now + BETWEEN_LINES, true);
+    }
+
+    fn write(&mut self, told: &str) {
+        self.shown = true;
         let mut terminal = io::stderr().lock();
-        let _ = write!(terminal, "\r{}\x1b[K", told()).and_then(|()| terminal.flush());
+        let _ = write!(terminal, "\r{told}\x1b[K").and_then(|()| terminal.flush());
     }
 }
 
@@ -67,21 +71,34 @@ impl Progress {
 pub(super) struct Bar {
     line: Line,
     /// What is counted.
-    what: &'static str,
+    what: String,
     /// How many were done at the beginning, and when that was.
     begin: Option<(u64, Instant)>,
 }
 
 impl Bar {
     /// Nothing done yet of what is counted.
-    pub fn new(what: &'static str) -> Option<Self> {
-        Some(Bar { line: Line::new()?, what, begin: None })
+    pub fn new(what: &str) -> Option<Self> {
+        Some(Bar { line: Line::new()?, what: what.to_owned(), begin: None })
+    }
+
+    /// Goes on to count something else.
+    pub fn turn_to(&mut self, what: &str) {
+        if self.what != what {
+            (self.what, self.begin) = (what.to_owned(), None);
+        }
+    }
+
+    /// Tells at once of something that is not counted.
+    pub fn busy(&mut self, what: &str) {
+        self.turn_to(what);
+        self.line.write(what);
     }
 
     /// Takes note of how many of all are done; first of how many were done before.
     pub fn done(&mut self, done: u64, all: u64) {
         let (before, since) = *self.begin.get_or_insert((done, Instant::now()));
-        let what = self.what;
+        let what = &self.what;
         self.line.show(|| bar_told(done, all, what, done - before, since.elapsed()));
     }
 }

@@ -19,6 +19,8 @@ pub mod model;
 mod motion;
 pub mod page;
 mod parts;
+pub mod progress;
+mod provenance;
 pub mod reach;
 mod record;
 pub mod report;

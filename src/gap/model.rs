@@ -1,6 +1,6 @@
 //! A patch as a model of records: fed with their drives, begun where its parameters say, read at their samples.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::experiment::Feed;
 use super::graft::RECORD_START;
@@ -219,31 +219,50 @@ pub struct Choice {
     pub initial: Vec<f64>,
 }
 
+/// The integrators and lags of a patch, those inside macros left out, and the voltages with which they begin.
+fn states(patch: &Patch) -> Result<Vec<(String, f64)>, ModelError> {
+    let program = Program::new(&Circuit::new(patch, &[])?)?;
+    let machine = crate::solve::Machine::new(&program, 1e-3)?;
+    let all = program.states().into_iter().zip(machine.states());
+    let own = all.filter(|(element, _)| !element.contains('.'));
+    Ok(own.map(|(element, volts)| (element.to_owned(), *volts)).collect())
+}
+
+fn initial_of(element: &str, value: Value) -> Edit {
+    Edit { path: ["elements", element, "initial"].map(str::to_owned).to_vec(), value }
+}
+
 /// The same patch with a parameter for every initial voltage.
 fn freed(patch: &Patch) -> Result<(Patch, Vec<Knob>), ModelError> {
-    let circuit = Circuit::new(patch, &[])?;
-    let program = Program::new(&circuit)?;
-    let machine = crate::solve::Machine::new(&program, 1e-3)?;
     let mut edits = Vec::new();
     let mut knobs = Vec::new();
     let mut parameters = patch.value().get("parameters").cloned().unwrap_or_else(|| json!({}));
-    for (state, element) in program.states().iter().enumerate() {
-        if element.contains('.') {
-            continue;
-        }
+    for (element, value) in states(patch)? {
         let word: String =
             element.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '_' }).collect();
         let name = format!("initial_{word}");
-        let value = machine.states()[state];
         parameters[&name] = json!({"value": value, "unit": "1", "range": [-100, 100]});
-        edits.push(Edit {
-            path: ["elements", element, "initial"].map(str::to_owned).to_vec(),
-            value: json!(name),
-        });
+        edits.push(initial_of(&element, json!(name)));
         knobs.push(Knob { name, value, range: [-100.0, 100.0] });
     }
     edits.push(Edit::new("parameters", parameters));
     Ok((patch.edited(patch.file(), &edits)?, knobs))
+}
+
+/// The same patch with initial voltages as they were found: of its integrators and lags, then of the parameters that are such
+/// voltages.
+///
+/// # Errors
+/// When the patch is no circuit.
+pub(super) fn begun(patch: &Patch, free: &[String], initial: &[f64]) -> Result<Patch, ModelError> {
+    let states = states(patch)?;
+    let own = states.iter().map(|(element, _)| element);
+    let begins = own.zip(initial).map(|(element, volts)| initial_of(element, json!(volts)));
+    let inside = free.iter().zip(initial.iter().skip(states.len())).map(|(name, volts)| Edit {
+        path: ["parameters", name, "value"].map(str::to_owned).to_vec(),
+        value: json!(volts),
+    });
+    Ok(patch.edited(patch.file(), &begins.chain(inside).collect::<Vec<_>>())?)
 }
 
 /// The same patch with a table of one point, zero, in place of every drive that records feed, held as they say.

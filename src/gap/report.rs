@@ -3,10 +3,10 @@
 use serde_json::{Map, Value, json};
 
 use super::fit::Fitted;
+use super::graft::Brought;
 use super::search::{Outcome, Round, Trial, Verdict};
 use super::stage::{Problem, Stage};
 use super::whereabouts::Whereabouts;
-use crate::patch::{EditError, Patch};
 
 /// The standard errors on either side of a value between which it lies in 95 of 100 cases.
 pub(super) const TWO_SIDED_95: f64 = 1.96;
@@ -26,15 +26,6 @@ impl Outcome {
         }
     }
 
-    /// The patch with the effects that are named, and every parameter at its fitted value.
-    ///
-    /// # Errors
-    /// None that is known: what is edited stands in the patch.
-    pub fn patch(&self, file: &str) -> Result<Patch, EditError> {
-        let Stage { version, train, .. } = self.told();
-        version.at(file, &train.point.knobs)
-    }
-
     /// The verdict in words.
     pub fn sentence(&self) -> String {
         let taken = self.rounds.iter().filter(|round| round.taken);
@@ -52,10 +43,9 @@ impl Outcome {
         }
     }
 
-    /// The patch as it was with the force that closes its gap best, where something is missing that has no name.
-    pub fn recovered(&self) -> Option<&Patch> {
-        let is_unknown = self.verdict == Verdict::UnknownEffect;
-        self.whereabouts.first().filter(|_| is_unknown).map(|found| &found.recovered)
+    /// The force that closes the gap best, where something is missing that has no name.
+    pub(super) fn unnamed(&self) -> Option<&Whereabouts> {
+        self.whereabouts.first().filter(|_| self.verdict == Verdict::UnknownEffect)
     }
 
     /// The report as a JSON document.
@@ -95,21 +85,23 @@ impl Trial {
     pub fn named(&self) -> String {
         format!("{} at {}", self.candidate.effect, self.candidate.junction)
     }
+
+    /// The parameters that it brought, their values and standard errors: those of a later stage where that still has them.
+    pub(super) fn found<'t>(&'t self, later: &'t Stage) -> impl Iterator<Item = (&'t Brought, f64, f64)> {
+        self.candidate.graft.parameters.iter().filter_map(move |own| {
+            let mut stages = [later, &self.stage].into_iter();
+            stages.find_map(|stage| {
+                let place = stage.version.fit.iter().position(|name| *name == own.name)?;
+                Some((own, stage.train.point.knobs[place], stage.error(place)))
+            })
+        })
+    }
 }
 
 fn effect(trial: &Trial, stage: &Stage) -> Value {
-    let of = |name: &str| {
-        let among = |stage: &Stage| stage.version.fit.iter().position(|own| own == name);
-        let (stage, place) = match among(stage) {
-            Some(place) => (stage, place),
-            None => (&trial.stage, among(&trial.stage)?),
-        };
-        Some((stage.train.point.knobs[place], stage.error(place)))
-    };
-    let parameters = trial.candidate.graft.parameters.iter().filter_map(|own| {
-        let (value, error) = of(&own.name)?;
-        Some((own.of.clone(), measured(value, error, &own.unit)))
-    });
+    let parameters = trial.found(stage);
+    let parameters =
+        parameters.map(|(own, value, error)| (own.of.clone(), measured(value, error, &own.unit)));
     json!({
         "name": trial.candidate.effect,
         "junction": trial.candidate.junction,
@@ -118,9 +110,13 @@ fn effect(trial: &Trial, stage: &Stage) -> Value {
     })
 }
 
+/// Between which values it lies in 95 of 100 cases.
+pub(super) fn interval(value: f64, error: f64) -> [f64; 2] {
+    [value - TWO_SIDED_95 * error, value + TWO_SIDED_95 * error]
+}
+
 fn measured(value: f64, error: f64, unit: &str) -> Value {
-    let interval = [value - TWO_SIDED_95 * error, value + TWO_SIDED_95 * error];
-    json!({"value": value, "unit": unit, "interval": interval.map(|end| if end.is_finite() { json!(end) } else { Value::Null })})
+    json!({"value": value, "unit": unit, "interval": interval(value, error).map(|end| if end.is_finite() { json!(end) } else { Value::Null })})
 }
 
 fn parameters(stage: &Stage) -> Value {

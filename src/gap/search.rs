@@ -5,6 +5,7 @@ use super::candidate::Candidate;
 use super::effect::Library;
 use super::graft::Attached;
 use super::model::ModelError;
+use super::progress::{Part, Progress};
 use super::score::{Advantage, advantage};
 use super::site::Sites;
 use super::stage::{Effort, Problem, Stage};
@@ -119,7 +120,7 @@ const COLOURED: f64 = 4.0;
 const MOST_LEFT: f64 = 0.3;
 
 impl Problem {
-    /// Searches for what a patch lacks. `progress` is told how many trials of a round are done, and of how many.
+    /// Searches for what a patch lacks. `progress` is told how far it has come.
     ///
     /// # Errors
     /// When the patch cannot be run beside the records.
@@ -128,13 +129,14 @@ impl Problem {
         patch: &Patch,
         fit: &[String],
         with: &Means<'_>,
-        mut progress: impl FnMut(u64, u64),
+        mut progress: impl FnMut(Progress),
     ) -> Result<Option<Outcome>, ModelError> {
+        progress(Progress::of(Part::Base));
         let Some(mut base) = self.base(patch, fit, with.seed)? else { return Ok(None) };
         let mut rounds: Vec<Round> = Vec::new();
         let (mut stage, mut bettered) = (base.clone(), 0);
         while rounds.len() < MOST_EFFECTS {
-            let round = self.round(&stage, with, &mut progress)?;
+            let round = self.round(&stage, rounds.len() + 1, with, &mut progress)?;
             // A trial may have found what the patch alone could have been fitted to.
             let better = if bettered < MOST_BETTERED { self.better(&stage, &round)? } else { None };
             let again = match (rounds.last_mut(), better) {
@@ -163,7 +165,10 @@ impl Problem {
         let verdict = self.verdict(&base, &stage, &rounds, left);
         let whereabouts = match verdict {
             Verdict::NothingMissing | Verdict::CannotJudge => Vec::new(),
-            _ => self.whereabouts(&base, with.threads)?,
+            _ => {
+                progress(Progress::of(Part::Where));
+                self.whereabouts(&base, with.threads)?
+            }
         };
         Ok(Some(Outcome { verdict, base, rounds, left, whereabouts }))
     }
@@ -185,7 +190,7 @@ impl Problem {
         mut rounds: Vec<Round>,
         mut stage: Stage,
         with: &Means<'_>,
-        progress: &mut impl FnMut(u64, u64),
+        progress: &mut impl FnMut(Progress),
     ) -> Result<(Vec<Round>, Stage), ModelError> {
         let mut place = 0;
         while rounds.iter().filter(|round| round.taken).count() > 1 && place + 1 < rounds.len() {
@@ -195,7 +200,7 @@ impl Problem {
                 break;
             }
             let Some(without) = self.joined(base, &others, with.library)? else { break };
-            let again = self.round(&without, with, progress)?;
+            let again = self.round(&without, place + 1, with, progress)?;
             if again.taken {
                 stage = again.trials[0].stage.clone();
                 rounds[place] = again;
@@ -259,39 +264,45 @@ impl Problem {
         }
     }
 
-    /// Tries every effect on a stage.
+    /// Tries every effect on a stage, as the round of this number.
     fn round(
         &self,
         stage: &Stage,
+        number: usize,
         with: &Means<'_>,
-        progress: &mut impl FnMut(u64, u64),
+        progress: &mut impl FnMut(Progress),
     ) -> Result<Round, ModelError> {
         let sites = self.sites(stage)?;
         let peaks = self.peaks(stage)?;
         let all: Vec<Attached<'_>> =
             with.library.iter().flat_map(|effect| Attached::all(effect, &sites)).collect();
-        let (quick, full) = (all.len(), all.len().min(TRIED_FULLY));
-        let count = (quick + full) as u64;
+        let mut tell = |part: Part, done: u64, of: usize| {
+            progress(Progress { round: number, part, done, all: of as u64 });
+        };
         let attempt =
             |attached: &Attached<'_>, effort| self.attempt(stage, attached, &peaks, effort).ok().flatten();
-        let mut tried =
-            pool::each(&all, with.threads, |own| attempt(own, Effort::QUICK), |done| progress(done, count));
-        let mut harder = |most: usize, effort: Effort| {
+        let mut tried = pool::each(
+            &all,
+            with.threads,
+            |own| attempt(own, Effort::QUICK),
+            |done| tell(Part::Quick, done, all.len()),
+        );
+        let mut harder = |most: usize, effort: Effort, part: Part| {
             let order = best_of(&tried, most);
             let again = pool::each(
                 &order,
                 with.threads,
                 |place| attempt(&all[*place], effort),
-                |done| progress(count.min(quick as u64 + done), count),
+                |done| tell(part, done, order.len()),
             );
             for (place, again) in order.iter().zip(again) {
                 tried[*place] = better_of(tried[*place].take(), again);
             }
             order.iter().flat_map(|place| &tried[*place]).all(|(_, stage)| stage.is_far())
         };
-        let is_far = harder(full, Effort::FULL);
+        let is_far = harder(TRIED_FULLY, Effort::FULL, Part::Full);
         if is_far && !self.is_cut {
-            harder(GROWN, Effort::GROWING);
+            harder(GROWN, Effort::GROWING, Part::Growing);
         }
         Ok(Round::of(stage, tried.into_iter().flatten().collect()))
     }

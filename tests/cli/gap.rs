@@ -104,6 +104,9 @@ fn what_is_not_there_is_named() {
 fn what_is_missing_is_named_and_written_as_a_patch() {
     let folder = tempfile::tempdir().unwrap();
     let out_folder = folder.path().join("found");
+    let stale = out_folder.join("recovered.json");
+    std::fs::create_dir(&out_folder).unwrap();
+    std::fs::write(&stale, "of an earlier search").unwrap();
     let told = patchcord(&[
         "gap",
         "tests/gap/hidden/saturation/experiment.json",
@@ -112,12 +115,16 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     ]);
     assert_eq!((code(&told), errors(&told).as_str()), (0, ""));
     let text = out(&told);
+    let removed = format!("removed {}, which an earlier search had left\n", stale.display());
+    assert!(text.contains(&removed), "{text}");
     let page = std::fs::read_to_string("docs/gap.md").unwrap();
     let first = text.lines().next().unwrap();
     assert!(page.contains(first) && first.ends_with("saturation at u is missing"), "{text}");
     let augmented = out_folder.join("augmented.json");
-    let checked = patchcord(&["check", augmented.to_str().unwrap()]);
-    assert_eq!(code(&checked), 0, "{}", errors(&checked));
+    let ran = patchcord(&["run", augmented.to_str().unwrap()]);
+    assert!(code(&ran) == 0 && out(&ran).contains("no overload"), "{}{}", out(&ran), errors(&ran));
+    let fitted = patchcord(&["check", out_folder.join("fitted.json").to_str().unwrap()]);
+    assert_eq!(code(&fitted), 0, "{}", errors(&fitted));
     let report = std::fs::read_to_string(out_folder.join("report.json")).unwrap();
     let report: Value = serde_json::from_str(&report).unwrap();
     assert_eq!((&report["verdict"], &report["effects"][0]["name"]), (&"named".into(), &"saturation".into()));
@@ -142,5 +149,26 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     let told = format!("the gap is best explained at {}", best["junction"].as_str().unwrap());
     assert!(text.contains(&told) && text.contains(best["best_against"].as_str().unwrap()), "{text}");
     // What has a name needs no curve.
-    assert!(!out_folder.join("recovered.json").exists() && report["recovered"].is_null());
+    assert!(!stale.exists() && report["recovered"].is_null());
+}
+
+#[test]
+fn nothing_of_the_experiment_is_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for (from, to) in [("slide.csv", "slide.csv"), ("base.json", "augmented.json")] {
+        std::fs::copy(format!("tests/gap/{from}"), at(to)).unwrap();
+    }
+    let experiment = std::fs::read_to_string(SLIDE).unwrap().replace("base.json", "augmented.json");
+    std::fs::write(at("report.json"), &experiment).unwrap();
+    std::fs::write(at("slide.json"), &experiment).unwrap();
+    let own = [
+        ("report.json", "report.json is the experiment itself"),
+        ("slide.json", "augmented.json is the patch itself"),
+    ];
+    for (file, what) in own {
+        let told = patchcord(&["gap", at(file).to_str().unwrap(), "--out", folder.path().to_str().unwrap()]);
+        assert!(code(&told) == 2 && errors(&told).contains(what), "{}", errors(&told));
+    }
+    assert_eq!(std::fs::read_to_string(at("report.json")).unwrap(), experiment);
 }

@@ -6,6 +6,7 @@ mod bad;
 #[path = "../common/mutated.rs"]
 mod mutated;
 mod page;
+mod provenance;
 mod reading;
 mod search;
 mod spoilt;

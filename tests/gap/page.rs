@@ -1,5 +1,8 @@
 //! The page of a search: what stands on it is what was found.
 
+use std::sync::LazyLock;
+
+use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
 use patchcord::gap::page::{Told, page};
 use patchcord::gap::search::{Means, Outcome};
@@ -13,21 +16,20 @@ fn section<'a>(page: &'a str, heading: &str) -> Option<&'a str> {
     from.split("</section>").next()
 }
 
-/// The page of a hill of force that no library knows.
-fn hill() -> (Outcome, String) {
+/// What is found of a hill of force that no library knows.
+pub static HILL: LazyLock<(Experiment, Problem, Outcome)> = LazyLock::new(|| {
     let experiment = oscillator().measured();
     let problem = Problem::of(&experiment).unwrap();
-    let library = Library::default();
-    let with = Means { library: &library, threads: 1, seed: 1 };
-    let outcome = problem.search(&experiment.patch, &experiment.fit, &with, |_, _| ()).unwrap().unwrap();
-    let told = Told { experiment: &experiment, problem: &problem, outcome: &outcome, library: &library };
-    let page = page(&told).unwrap();
-    (outcome, page)
-}
+    let with = Means { library: &Library::default(), threads: 1, seed: 1 };
+    let outcome = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    (experiment, problem, outcome)
+});
 
 #[test]
 fn where_and_when_stands_on_the_page_with_every_point_of_it() {
-    let (outcome, page) = hill();
+    let (experiment, problem, outcome) = &*HILL;
+    let told = Told { experiment, problem, outcome, library: &Library::default() };
+    let page = page(&told).unwrap();
     let section = section(&page, "Where and when something is missing").unwrap();
     let best = &outcome.whereabouts[0];
     assert!(

@@ -10,21 +10,21 @@ use patchcord::gap::stage::Problem;
 use serde_json::Value;
 
 /// The search of a case of tests/gap/hidden, on so many threads, and its truth.
-fn searched(case: &str, threads: usize) -> (Problem, Outcome, Value) {
+pub fn searched(case: &str, threads: usize) -> (Experiment, Problem, Outcome, Value) {
     let folder = Path::new("tests/gap/hidden").join(case);
     let experiment =
         Experiment::read(&folder.join("experiment.json")).unwrap_or_else(|error| panic!("{error}"));
     let problem = Problem::of(&experiment).unwrap();
     let library = Library::shipped();
     let with = Means { library: &library, threads, seed: 1 };
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_, _| ()).unwrap().unwrap();
+    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
     let truth = std::fs::read_to_string(folder.join("truth.json")).unwrap();
-    (problem, found, serde_json::from_str(&truth).unwrap())
+    (experiment, problem, found, serde_json::from_str(&truth).unwrap())
 }
 
 /// Holds a search that has to name one effect against the truth.
 fn named(case: &str, parameter: &str, true_one: &str) {
-    let (problem, found, truth) = searched(case, 2);
+    let (experiment, problem, found, truth) = searched(case, 2);
     assert_eq!(found.verdict, Verdict::Named);
     let document = found.document(&problem);
     let (effect, hidden) = (&document["effects"][0], &truth["effects"][0]);
@@ -40,7 +40,7 @@ fn named(case: &str, parameter: &str, true_one: &str) {
         };
         assert!(over("after") < over("before") && over("after") < 1.1, "{}", document["gap"]);
     }
-    let patch = found.patch("augmented.json").unwrap();
+    let patch = found.augmented(&experiment, "augmented.json").unwrap().unwrap();
     let circuit = Circuit::new(&patch, &[]).unwrap_or_else(|report| panic!("{report}"));
     assert_eq!(circuit.warnings().to_string(), "");
 }
@@ -57,7 +57,9 @@ fn a_constant_inflow_is_named_at_its_tank() {
 
 #[test]
 fn nothing_is_named_where_nothing_is_missing_whatever_the_threads() {
-    let [(problem, one, _), (_, other, _)] = [1, 2].map(|threads| searched("nothing", threads));
+    let [(experiment, problem, one, _), (_, _, other, _)] =
+        [1, 2].map(|threads| searched("nothing", threads));
     assert_eq!(one.verdict, Verdict::NothingMissing);
+    assert!(one.augmented(&experiment, "augmented.json").unwrap().is_none());
     assert_eq!(one.document(&problem), other.document(&problem));
 }

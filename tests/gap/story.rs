@@ -48,7 +48,7 @@ fn searched(figure: &str, effects: &[&str]) -> (Problem, Outcome) {
     let problem = Problem::of(&experiment).unwrap();
     let library = library(effects);
     let with = Means { library: &library, threads: 2, seed: 1 };
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_, _| ()).unwrap().unwrap();
+    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
     (problem, found)
 }
 

@@ -225,14 +225,14 @@ fn what_has_no_name_comes_with_its_force_whatever_the_threads() {
     let library = Library::default();
     let [one, two] = [1, 2].map(|threads| {
         let with = Means { library: &library, threads, seed: 1 };
-        problem.search(&hidden.patch(), &stage.version.fit, &with, |_, _| ()).unwrap().unwrap()
+        problem.search(&hidden.patch(), &stage.version.fit, &with, |_| ()).unwrap().unwrap()
     });
     assert_eq!(one.verdict, Verdict::UnknownEffect);
     let document = one.document(&problem);
     assert_eq!(document, two.document(&problem));
     let told = &document["where"][0];
     assert_eq!((&told["junction"], &told["best_against"]), (&"I2".into(), &"time".into()));
-    let recovered = one.recovered().unwrap();
+    let recovered = one.recovered(&hidden.measured(), "recovered.json").unwrap().unwrap();
     assert_eq!(recovered.drives["E1-D1"].kind.name, "table");
-    Circuit::new(recovered, &[]).unwrap_or_else(|report| panic!("{report}"));
+    Circuit::new(&recovered, &[]).unwrap_or_else(|report| panic!("{report}"));
 }

@@ -95,7 +95,7 @@ fn setting(found: &Whereabouts) -> String {
 
 /// Where the force stands in a patch.
 fn wired(outcome: &Outcome, best: &Whereabouts) -> String {
-    if outcome.recovered().is_none() {
+    if outcome.unnamed().is_none() {
         return String::new();
     }
     let how = match best.best {

@@ -6,7 +6,7 @@ use super::recovered::{setting, with_function, with_table};
 use super::unknown::{Found, Shape, Sought, Start};
 use super::{Curve, Force, Whereabouts};
 use crate::gap::fit::{Fitted, Point, Task};
-use crate::gap::model::{Choice, ModelError, Table};
+use crate::gap::model::{Choice, ModelError, Table, begun};
 use crate::gap::record::Record;
 use crate::gap::site::{Junction, Reading, Sites};
 use crate::gap::stage::{Problem, Stage, Version};
@@ -119,9 +119,10 @@ impl At<'_> {
         best
     }
 
-    /// The patch with its parameters as they were found.
+    /// The patch with its parameters as they were found, and as the first record begins.
     fn at(&self, patch: &Patch, found: &Found) -> Result<Patch, ModelError> {
-        Ok(self.version(patch.clone()).at(patch.file(), &found.point.knobs)?)
+        let at = self.version(patch.clone()).at(patch.file(), &found.point.knobs)?;
+        begun(&at, &self.stage.version.free, &found.point.initial[0])
     }
 
     fn version(&self, patch: Patch) -> Version {

@@ -1,0 +1,77 @@
+//! The files that a search leaves in a folder.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::failure::Failure;
+use super::files::{check_not, prepare, put, unwritable};
+use patchcord::gap::Experiment;
+use patchcord::gap::model::ModelError;
+use patchcord::gap::page::{self, Told};
+use patchcord::patch::Patch;
+
+const AUGMENTED: &str = "augmented.json";
+const FITTED: &str = "fitted.json";
+const RECOVERED: &str = "recovered.json";
+const REPORT: &str = "report.json";
+const PAGE: &str = "report.html";
+
+/// Where they go.
+pub(super) struct Folder<'f> {
+    folder: &'f Path,
+}
+
+impl<'f> Folder<'f> {
+    /// Makes the folder; tells before the search what cannot be written to, and what of the experiment would be written over.
+    pub fn prepare(folder: &'f Path, experiment: &Experiment) -> Result<Self, Failure> {
+        let paths = [AUGMENTED, FITTED, RECOVERED, REPORT, PAGE].map(|file| folder.join(file));
+        check_not("the experiment", Path::new(&experiment.file), paths.iter())?;
+        check_not("the patch", Path::new(experiment.patch.file()), paths.iter())?;
+        prepare(Some(folder), paths.iter())?;
+        Ok(Folder { folder })
+    }
+
+    /// Writes them, and puts into the document where the patches are. A patch of an earlier search that this one has nothing
+    /// of goes: it would be taken for what this one found. Gives back what was done, a line each.
+    pub fn write(&self, told: &Told<'_>, document: &mut Value) -> Result<String, Failure> {
+        let (outcome, experiment) = (told.outcome, told.experiment);
+        let mut done = String::new();
+        let mut patch = |file: &str, patch: Result<Option<Patch>, ModelError>| {
+            let path = self.folder.join(file);
+            let patch = patch.map_err(|error| Failure::data(error.to_string()))?;
+            match &patch {
+                Some(patch) => done += &wrote(&path, patch.text().as_bytes())?,
+                None => done += &removed(&path)?,
+            }
+            Ok::<_, Failure>(patch.map(|_| Value::from(path.display().to_string())))
+        };
+        let name = |file: &str| self.folder.join(file).display().to_string();
+        let augmented = patch(AUGMENTED, outcome.augmented(experiment, &name(AUGMENTED)))?;
+        let fitted = patch(FITTED, outcome.fitted(experiment, &name(FITTED)).map(Some))?;
+        let recovered = patch(RECOVERED, outcome.recovered(experiment, &name(RECOVERED)))?;
+        document["patch"] = augmented.or_else(|| fitted.clone()).into();
+        document["fitted"] = fitted.into();
+        document["recovered"] = recovered.into();
+        let page = page::page(told).map_err(|error| Failure::data(error.to_string()))?;
+        done += &wrote(&self.folder.join(REPORT), format!("{document:#}\n").as_bytes())?;
+        done += &wrote(&self.folder.join(PAGE), page.as_bytes())?;
+        Ok(done)
+    }
+}
+
+fn wrote(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
+    put(path, bytes)?;
+    Ok(format!("wrote {}\n", path.display()))
+}
+
+/// Removes what an earlier search left.
+fn removed(path: &Path) -> Result<String, Failure> {
+    match fs::remove_file(path) {
+        Ok(()) => Ok(format!("removed {}, which an earlier search had left\n", path.display())),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(String::new()),
+        Err(error) => Err(unwritable(path, &error)),
+    }
+}

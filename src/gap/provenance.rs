@@ -1,0 +1,162 @@
+//! The patches that a search leaves: with fitted values, with integrators that begin as the training data do, and with a note
+//! that tells where all that comes from.
+
+use std::path::{Component, Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::experiment::Experiment;
+use super::graft::RECORD_START;
+use super::model::{ModelError, begun};
+use super::report::interval;
+use super::search::{Outcome, Round, Trial, Verdict};
+use super::stage::Stage;
+use super::whereabouts::Whereabouts;
+use crate::instruments::Display;
+use crate::patch::{Edit, Patch};
+
+impl Outcome {
+    /// The patch as it was, with every parameter at its fitted value.
+    ///
+    /// # Errors
+    /// None that is known: what is edited stands in the patch.
+    pub fn fitted(&self, experiment: &Experiment, file: &str) -> Result<Patch, ModelError> {
+        let told = format!("fitted. {}", left(&self.base));
+        finished(&standing(&self.base)?, experiment, &told, file)
+    }
+
+    /// The same with the effects that are named; nothing where none is.
+    ///
+    /// # Errors
+    /// None that is known: what is edited stands in the patch.
+    pub fn augmented(&self, experiment: &Experiment, file: &str) -> Result<Option<Patch>, ModelError> {
+        if !matches!(self.verdict, Verdict::Named | Verdict::Ambiguous) {
+            return Ok(None);
+        }
+        let stages = [&self.base, self.told()].map(left);
+        let told = format!("with {}. Before: {} After: {}", self.effects(), stages[0], stages[1]);
+        finished(&standing(self.told())?, experiment, &told, file).map(Some)
+    }
+
+    /// The patch as it was with the force that closes its gap best, where something is missing that has no name.
+    ///
+    /// # Errors
+    /// None that is known: what is edited stands in the patch.
+    pub fn recovered(&self, experiment: &Experiment, file: &str) -> Result<Option<Patch>, ModelError> {
+        let Some(found) = self.unnamed() else { return Ok(None) };
+        let (force, before) = (force(found), left(&self.base));
+        let share = number(100.0 * found.explains);
+        let told =
+            format!("with a force {force}. Before: {before} The force closes {share} % of that in training.");
+        finished(&found.recovered, experiment, &told, file).map(Some)
+    }
+
+    /// The effects that were taken, with their parameters.
+    fn effects(&self) -> String {
+        let taken = self.rounds.iter().filter(|round| round.taken);
+        taken.map(|round| self.effect(round)).collect::<Vec<_>>().join("; and ")
+    }
+
+    fn effect(&self, round: &Round) -> String {
+        let Some(best) = round.trials.first() else { return String::new() };
+        let parameters = best.found(self.last()).map(|(own, value, error)| {
+            let [low, high] = interval(value, error);
+            let between = match error.is_finite() {
+                true => format!("{} ... {}", number(low), number(high)),
+                false => "anything".to_owned(),
+            };
+            let unit = if own.unit == "1" { String::new() } else { format!(" {}", own.unit) };
+            format!("{} = {}{unit} (95 %: {between})", own.name, number(value))
+        });
+        let parameters: Vec<String> = parameters.collect();
+        let rivals: Vec<String> = round.rivals().map(Trial::named).collect();
+        let or = match rivals.as_slice() {
+            [] => String::new(),
+            rivals => format!(" (or {}: the data cannot tell)", rivals.join(" or ")),
+        };
+        format!("{}{or}, {}", best.named(), parameters.join(", "))
+    }
+}
+
+/// The patch of a stage as it was fitted: parameters, and the voltages with which the first record begins.
+fn standing(stage: &Stage) -> Result<Patch, ModelError> {
+    let at = stage.version.at(stage.version.patch.file(), &stage.train.point.knobs)?;
+    begun(&at, &stage.version.free, &stage.train.point.initial[0])
+}
+
+/// A patch as one of a file, with a note of where it comes from in front of its own, and the clock of the first record.
+fn finished(patch: &Patch, experiment: &Experiment, told: &str, file: &str) -> Result<Patch, ModelError> {
+    let own = patch.value()["note"].as_str().map_or_else(String::new, |own| format!("\n\n{own}"));
+    let (from, data) = (experiment.patch.file(), data(experiment));
+    let note = format!("Made by patchcord gap of {from} beside {data}: {told}{own}");
+    let mut edits = vec![Edit::new("note", note)];
+    if patch.parameters.contains_key(RECORD_START) {
+        let since = experiment.train.first().map_or(0.0, |record| record.since);
+        edits.push(Edit::new(&format!("parameters/{RECORD_START}/value"), json!(since)));
+    }
+    edits.extend(tables(patch, file));
+    Ok(patch.edited(file, &edits)?)
+}
+
+/// Where a patch names files with tables from its folder, their names from that of another file.
+fn tables(patch: &Patch, file: &str) -> Vec<Edit> {
+    let all = patch.value();
+    let inside =
+        members(&all["macros"]).map(|(name, own)| (vec!["macros", name, "elements"], &own["elements"]));
+    let sections = ["drives", "elements"].map(|section| (vec![section], &all[section]));
+    let named = sections.into_iter().chain(inside).flat_map(|(section, entries)| {
+        in_files(entries)
+            .map(move |[name, key, csv]| ([section.as_slice(), &[name, key, "csv"]].concat(), csv))
+    });
+    let edit = |(path, csv): (Vec<&str>, &str)| {
+        let value = json!(renamed(patch.file(), csv, file)?);
+        Some(Edit { path: path.into_iter().map(str::to_owned).collect(), value })
+    };
+    named.filter_map(edit).collect()
+}
+
+/// The settings of elements or drives that are tables in files: element, setting, file.
+fn in_files(entries: &Value) -> impl Iterator<Item = [&str; 3]> {
+    let settings = members(entries).flat_map(|(name, entry)| {
+        members(entry).filter(|(key, _)| *key != "in").map(move |(key, setting)| (name, key, setting))
+    });
+    settings.filter_map(|(name, key, setting)| Some([name, key, setting.get("csv")?.as_str()?]))
+}
+
+fn members(value: &Value) -> impl Iterator<Item = (&String, &Value)> {
+    value.as_object().into_iter().flatten()
+}
+
+/// The name of a file beside one as it is from the folder of another; nothing where there is no way from one to the other.
+fn renamed(beside: &str, name: &str, other: &str) -> Option<String> {
+    let folder = |file: &str| Path::new(".").join(Path::new(file).parent()?).canonicalize().ok();
+    let (from, to) = (folder(other)?, folder(beside)?.join(name));
+    let shared = from.components().zip(to.components()).take_while(|(one, other)| one == other).count();
+    let up = from.components().skip(shared).map(|_| Component::ParentDir);
+    let way: PathBuf = up.chain(to.components().skip(shared)).collect();
+    Some(way.to_str()?.to_owned())
+}
+
+/// The files that were trained on, each once.
+fn data(experiment: &Experiment) -> String {
+    let mut names: Vec<&str> = experiment.train.iter().map(|record| record.name.as_str()).collect();
+    names.dedup();
+    names.join(", ")
+}
+
+/// What a stage leaves, in words.
+fn left(stage: &Stage) -> String {
+    let [train, test] = [&stage.train, &stage.test].map(|fitted| number(fitted.over_noise()));
+    format!("{train} times the noise is left in training, {test} on the data held back.")
+}
+
+fn force(found: &Whereabouts) -> String {
+    match found.best {
+        Some(_) => format!("at {}, a function of {}", found.junction, found.best_against()),
+        None => format!("at {}, a table over the time of the first record", found.junction),
+    }
+}
+
+fn number(value: f64) -> String {
+    Display::new("", 1.0).number(value)
+}
