@@ -8,6 +8,7 @@ use super::model::with_tables;
 use super::record::Record;
 use super::together::Bringing;
 use crate::patch::fields::Findings;
+use crate::patch::tree::{Content, Node};
 use crate::patch::{Code, Diagnostic, EditError, Patch, PatchError, Report, Span, Unit, text_of, tree};
 
 /// Fewer samples than this are neither trained nor tested on.
@@ -159,5 +160,18 @@ fn document_of(text: &str, findings: &mut Findings) -> Option<Document> {
         return None;
     }
     let root = tree::parse(text).map_err(|finding| findings.push(finding)).ok()?;
+    if let Some(finding) = patch_instead(&root) {
+        findings.push(finding);
+        return None;
+    }
     document::document(&root, findings)
+}
+
+/// That a patch was given for the experiment that should name it.
+fn patch_instead(root: &Node) -> Option<Diagnostic> {
+    let Content::Object(entries) = &root.value else { return None };
+    let version = entries.iter().find(|entry| entry.key == "patchcord")?;
+    let message = "this is a patch, where an experiment is needed";
+    let hint = "an experiment is a file of its own that names the patch and what was measured: docs/gap.md shows one";
+    Some(Diagnostic::at(Code::UnknownKey, version.key_span, message).hint(hint))
 }

@@ -4,6 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use serde_json::Value;
+
 use super::{FIG_8_16, code, errors, json, out, patchcord, path};
 
 /// The lines of the README's block after these words.
@@ -35,10 +37,10 @@ fn the_readmes_command_ends_as_the_readme_says() {
     assert!(folder.path().join("fig-8-16.csv").is_file() && folder.path().join("fig-8-16.svg").is_file());
 }
 
-/// The patch that the README has its reader save.
-fn readme_patch() -> String {
+/// What the README has its reader save: the document at a place among those that it shows.
+fn readme_document(place: usize) -> String {
     let text = fs::read_to_string("README.md").unwrap();
-    text.split("```json\n").nth(1).unwrap().split("```").next().unwrap().to_owned()
+    text.split("```json\n").nth(1 + place).unwrap().split("```").next().unwrap().to_owned()
 }
 
 /// The period of the README's spring with a mass in kg: between its falls through 0 mm.
@@ -61,13 +63,38 @@ fn period(file: &str, mass: &str) -> f64 {
 fn the_readmes_first_patch_swings_as_the_readme_says() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "spring.json");
-    fs::write(&file, readme_patch()).unwrap();
+    fs::write(&file, readme_document(0)).unwrap();
     let told = json(&patchcord(&["run", &file, "--json"]));
     let [least, most] = ["least", "most"].map(|end| told["readings"][0][end]["value"].as_f64().unwrap());
     let [light, heavy] = ["1", "4"].map(|mass| period(&file, mass));
     let promised = format!(
         "The mass swings between {least:.0} and {most:.0} mm, with a period of {light:.2} s at 1 kg and {heavy:.2} s at 4 kg."
     );
+    assert!(fs::read_to_string("README.md").unwrap().contains(&promised), "{promised}");
+}
+
+#[test]
+fn the_readmes_spring_lacks_the_damping_that_the_readme_says() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("spring.json"), readme_document(0)).unwrap();
+    fs::write(folder.path().join("spring.experiment.json"), readme_document(1)).unwrap();
+    let measured = readme_block("of which `spring.json` above knows nothing.\n");
+    let searched = readme_block("spring.experiment.json --check\n");
+    let commands = measured.into_iter().chain(searched).filter(|line| line.starts_with("patchcord "));
+    let mut printed = String::new();
+    for command in commands {
+        let words = command.split_whitespace().skip(1);
+        let ran = Command::new(env!("CARGO_BIN_EXE_patchcord")).args(words).current_dir(&folder).output();
+        let ran = ran.unwrap();
+        assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""), "{command}");
+        printed = out(&ran);
+    }
+    let promised = readme_block("tries 22 effects wherever they fit, and says\n");
+    assert_eq!(printed.lines().next(), promised.iter().map(String::as_str).find(|line| !line.is_empty()));
+    let report = fs::read_to_string(folder.path().join("found/report.json")).unwrap();
+    let report: Value = serde_json::from_str(&report).unwrap();
+    let [k, c] = ["k", "c"].map(|name| report["parameters"][name]["value"].as_f64().unwrap());
+    let promised = format!("with k = {k:.0} N/m and damping of {c:.1} per second");
     assert!(fs::read_to_string("README.md").unwrap().contains(&promised), "{promised}");
 }
 
