@@ -59,7 +59,7 @@ impl Outcome {
 
     fn effect(&self, round: &Round) -> String {
         let Some(best) = round.trials.first() else { return String::new() };
-        let parameters = best.found(self.last()).map(|(own, value, error)| {
+        let parameters = best.found(&self.last).map(|(own, value, error)| {
             let [low, high] = interval(value, error);
             let between = match error.is_finite() {
                 true => format!("{} ... {}", number(low), number(high)),

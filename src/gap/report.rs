@@ -12,16 +12,10 @@ use super::whereabouts::Whereabouts;
 pub(super) const TWO_SIDED_95: f64 = 1.96;
 
 impl Outcome {
-    /// Where the search came to: the last stage that was taken.
-    pub fn last(&self) -> &Stage {
-        let taken = self.rounds.iter().rev().find(|round| round.taken);
-        taken.and_then(|round| round.trials.first()).map_or(&self.base, |trial| &trial.stage)
-    }
-
     /// The stage that is told of: the last one where something is named, else the patch as it was.
     pub fn told(&self) -> &Stage {
         match self.verdict {
-            Verdict::Named | Verdict::Ambiguous => self.last(),
+            Verdict::Named | Verdict::Ambiguous => &self.last,
             _ => &self.base,
         }
     }
@@ -54,7 +48,7 @@ impl Outcome {
         let named = matches!(self.verdict, Verdict::Named | Verdict::Ambiguous);
         let effects = taken.iter().filter(|_| named).flat_map(|round| {
             let told = round.trials.iter().take(1).chain(round.rivals().filter(|_| round.tied > 1));
-            told.map(|trial| effect(trial, self.last()))
+            told.map(|trial| effect(trial, &self.last))
         });
         let rivals = self.rounds.iter().enumerate().flat_map(|(number, round)| {
             round.trials.iter().map(move |trial| rival(number + 1, round, trial))

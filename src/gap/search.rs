@@ -81,6 +81,8 @@ pub struct Outcome {
     pub base: Stage,
     /// What was tried, one effect after the other.
     pub rounds: Vec<Round>,
+    /// The patch with every effect that was taken and is still needed, fitted.
+    pub last: Stage,
     /// The share of the gap that is left, in rms.
     pub left: f64,
     /// Where and when something is missing in the patch as it was; of no junction where nothing is.
@@ -170,7 +172,7 @@ impl Problem {
                 self.whereabouts(&base, with.threads)?
             }
         };
-        Ok(Some(Outcome { verdict, base, rounds, left, whereabouts }))
+        Ok(Some(Outcome { verdict, base, rounds, last: stage, left, whereabouts }))
     }
 
     /// The patch of a stage fitted better, from where the best trials came to.
