@@ -24,7 +24,8 @@ pub(super) struct Arguments {
     #[arg(long, conflicts_with_all = ["out", "effects", "seed", "threads"])]
     check: bool,
     /// Write into this folder the report (report.html, report.json), the patch as fitted (fitted.json) and with what is missing in
-    /// it (augmented.json); where that has no name, with its force as a curve instead (recovered.json)
+    /// it (augmented.json); where that has no name, with its force as a curve instead (recovered.json); where the data cannot tell
+    /// two effects apart, the drive that would, with what either predicts (separate.csv)
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Take the effects of this folder as well: every .json file in it

@@ -11,6 +11,7 @@ use super::files::{check_not, prepare, put, unwritable};
 use patchcord::gap::Experiment;
 use patchcord::gap::model::ModelError;
 use patchcord::gap::page::{self, Told};
+use patchcord::gap::separate::Separating;
 use patchcord::patch::Patch;
 
 const AUGMENTED: &str = "augmented.json";
@@ -18,6 +19,7 @@ const FITTED: &str = "fitted.json";
 const RECOVERED: &str = "recovered.json";
 const REPORT: &str = "report.json";
 const PAGE: &str = "report.html";
+const SEPARATE: &str = "separate.csv";
 
 /// Where they go.
 pub(super) struct Folder<'f> {
@@ -27,31 +29,38 @@ pub(super) struct Folder<'f> {
 impl<'f> Folder<'f> {
     /// Makes the folder; tells before the search what cannot be written to, and what of the experiment would be written over.
     pub fn prepare(folder: &'f Path, experiment: &Experiment) -> Result<Self, Failure> {
-        let paths = [AUGMENTED, FITTED, RECOVERED, REPORT, PAGE].map(|file| folder.join(file));
+        let paths = [AUGMENTED, FITTED, RECOVERED, REPORT, PAGE, SEPARATE].map(|file| folder.join(file));
         check_not("the experiment", Path::new(&experiment.file), paths.iter())?;
         check_not("the patch", Path::new(experiment.patch.file()), paths.iter())?;
         prepare(Some(folder), paths.iter())?;
         Ok(Folder { folder })
     }
 
-    /// Writes them, and puts into the document where the patches are. A patch of an earlier search that this one has nothing
-    /// of goes: it would be taken for what this one found. Gives back what was done, a line each.
+    /// Writes them, and puts into the document where they are. What an earlier search left that this one has nothing of
+    /// goes: it would be taken for what this one found. Gives back what was done, a line each.
     pub fn write(&self, told: &Told<'_>, document: &mut Value) -> Result<String, Failure> {
         let (outcome, experiment) = (told.outcome, told.experiment);
         let mut done = String::new();
-        let mut patch = |file: &str, patch: Result<Option<Patch>, ModelError>| {
+        let mut left = |file: &str, text: Option<&str>| {
             let path = self.folder.join(file);
+            done += &match text {
+                Some(text) => wrote(&path, text.as_bytes())?,
+                None => removed(&path)?,
+            };
+            Ok::<_, Failure>(text.map(|_| Value::from(path.display().to_string())))
+        };
+        let mut patch = |file: &str, patch: Result<Option<Patch>, ModelError>| {
             let patch = patch.map_err(|error| Failure::data(error.to_string()))?;
-            match &patch {
-                Some(patch) => done += &wrote(&path, patch.text().as_bytes())?,
-                None => done += &removed(&path)?,
-            }
-            Ok::<_, Failure>(patch.map(|_| Value::from(path.display().to_string())))
+            left(file, patch.as_ref().map(Patch::text))
         };
         let name = |file: &str| self.folder.join(file).display().to_string();
         let augmented = patch(AUGMENTED, outcome.augmented(experiment, &name(AUGMENTED)))?;
         let fitted = patch(FITTED, outcome.fitted(experiment, &name(FITTED)).map(Some))?;
         let recovered = patch(RECOVERED, outcome.recovered(experiment, &name(RECOVERED)))?;
+        let separate = left(SEPARATE, outcome.separating.as_ref().map(Separating::csv).as_deref())?;
+        if separate.is_some() {
+            document["separate"]["data"] = separate.into();
+        }
         document["patch"] = augmented.or_else(|| fitted.clone()).into();
         document["fitted"] = fitted.into();
         document["recovered"] = recovered.into();

@@ -2,7 +2,8 @@
 
 use super::table::Table;
 use patchcord::gap::Experiment;
-use patchcord::gap::search::{Outcome, Round};
+use patchcord::gap::limits::{Limit, best_places};
+use patchcord::gap::search::{Outcome, Round, Verdict};
 use patchcord::gap::stage::{Problem, Stage};
 use patchcord::gap::whereabouts::{self, Whereabouts};
 use patchcord::instruments::Display;
@@ -15,6 +16,9 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
     text += &format!("\n{}", parameters(outcome.told()).text());
     text += &format!("\n{}", gaps(problem, outcome).text());
     text += &place(&outcome.whereabouts);
+    if matches!(outcome.verdict, Verdict::NothingMissing | Verdict::CannotJudge) {
+        text += &limits(&outcome.limits);
+    }
     for (number, round) in outcome.rounds.iter().enumerate() {
         text += &format!("\n{}\n\n{}", heading(number + 1, round), trials(round).text());
     }
@@ -54,6 +58,16 @@ fn place(found: &[Whereabouts]) -> String {
     }
     text += &table.text();
     text
+}
+
+/// The smallest of every effect that would have shown.
+fn limits(found: &[Limit]) -> String {
+    let mut table = Table::new(["effect", "at", "parameter", "would have shown from"]);
+    for limit in best_places(found) {
+        let from = limit.told().unwrap_or_else(|| "not at all".to_owned());
+        table.row([limit.effect.clone(), limit.junction.clone(), limit.parameter.clone(), from]);
+    }
+    format!("\nwhat these data would have shown, every effect where it shows best\n\n{}", table.text())
 }
 
 fn number(value: f64) -> String {

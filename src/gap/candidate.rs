@@ -25,6 +25,8 @@ pub struct Candidate {
     pub graft: Graft,
     /// The values of its parameters from which fits begin, that without any effect first where there is one.
     pub starts: Vec<Vec<f64>>,
+    /// The value of its first parameter at which there is no effect, where that lies in its range.
+    pub none: Option<f64>,
 }
 
 impl Candidate {
@@ -62,6 +64,7 @@ impl Candidate {
             reads: attached.reads(),
             graft,
             starts: without.into_iter().chain(starts).take(MOST_STARTS).collect(),
+            none,
         }))
     }
 

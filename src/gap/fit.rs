@@ -270,30 +270,40 @@ impl Task<'_> {
         let mut normal =
             Normal { matrix: DMatrix::zeros(at.len(), at.len()), gradient: DVector::zeros(at.len()) };
         for (record, course) in courses.iter().enumerate() {
-            let moved: Vec<usize> = (0..self.turned()).chain(self.states_of(record)).collect();
-            let nudges: Vec<f64> = moved.iter().map(|index| self.nudge(at, *index)).collect();
-            let choices = moved
-                .iter()
-                .zip(&nudges)
-                .map(|(index, nudge)| self.choice(&nudged(at, *index, *nudge), record));
-            let beside = self.model.run(record, &choices.collect::<Vec<_>>());
-            for output in 0..self.sigma.len() {
-                let residual = self.residual(at, record, output, course);
-                let mut columns: Vec<(usize, Vec<f64>)> = Vec::new();
-                for ((index, nudge), other) in moved.iter().zip(&nudges).zip(&beside) {
-                    // Where a neighbour cannot be run, that coordinate stays.
-                    let Some(other) = other else { continue };
-                    let scale = -1.0 / (nudge * self.sigma[output]);
-                    let pairs = other[output].iter().zip(&course[output]);
-                    columns.push((*index, pairs.map(|(there, here)| (there - here) * scale).collect()));
-                }
-                if self.offset[output] {
-                    columns.push((self.model.knobs.len() + output, vec![-1.0; residual.len()]));
-                }
-                normal.add(&columns, &residual);
+            for (output, columns) in self.responses(at, record, course).iter().enumerate() {
+                normal.add(columns, &self.residual(at, record, output, course));
             }
         }
         normal
+    }
+
+    /// Of every output of a record the derivatives of its residuals, each behind the coordinate that is moved.
+    pub(super) fn responses(
+        &self,
+        at: &DVector<f64>,
+        record: usize,
+        course: &Course,
+    ) -> Vec<Vec<(usize, Vec<f64>)>> {
+        let moved: Vec<usize> = (0..self.turned()).chain(self.states_of(record)).collect();
+        let nudges: Vec<f64> = moved.iter().map(|index| self.nudge(at, *index)).collect();
+        let choices =
+            moved.iter().zip(&nudges).map(|(index, nudge)| self.choice(&nudged(at, *index, *nudge), record));
+        let beside = self.model.run(record, &choices.collect::<Vec<_>>());
+        let of_output = |output: usize| {
+            let mut columns: Vec<(usize, Vec<f64>)> = Vec::new();
+            for ((index, nudge), other) in moved.iter().zip(&nudges).zip(&beside) {
+                // Where a neighbour cannot be run, that coordinate stays.
+                let Some(other) = other else { continue };
+                let scale = -1.0 / (nudge * self.sigma[output]);
+                let pairs = other[output].iter().zip(&course[output]);
+                columns.push((*index, pairs.map(|(there, here)| (there - here) * scale).collect()));
+            }
+            if self.offset[output] {
+                columns.push((self.model.knobs.len() + output, vec![-1.0; course[output].len()]));
+            }
+            columns
+        };
+        (0..self.sigma.len()).map(of_output).collect()
     }
 
     pub(super) fn nudge(&self, at: &DVector<f64>, index: usize) -> f64 {
@@ -437,6 +447,15 @@ impl Normal {
         let place = |index: &usize| told.iter().position(|own| own == index);
         free.iter().map(|index| place(index).map_or(f64::INFINITY, spread)).collect()
     }
+}
+
+/// What a coordinate does to all outputs, one behind the other, by their responses to all that may be moved.
+pub(super) fn stacked(responses: &[Vec<(usize, Vec<f64>)>], index: usize, samples: usize) -> Vec<f64> {
+    let own = |columns: &Vec<(usize, Vec<f64>)>| {
+        let found = columns.iter().find(|column| column.0 == index);
+        found.map_or_else(|| vec![0.0; samples], |column| column.1.clone())
+    };
+    responses.iter().flat_map(own).collect()
 }
 
 /// A point with one coordinate moved.

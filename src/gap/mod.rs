@@ -7,6 +7,7 @@
 //! effect and judges what came of it.
 
 pub mod candidate;
+mod directions;
 mod document;
 pub mod effect;
 mod examine;
@@ -14,6 +15,7 @@ mod experiment;
 pub mod fit;
 mod fittable;
 pub mod graft;
+pub mod limits;
 mod measured;
 pub mod model;
 mod motion;
@@ -26,6 +28,7 @@ mod record;
 pub mod report;
 pub mod score;
 pub mod search;
+pub mod separate;
 pub mod site;
 pub mod stage;
 mod subject;

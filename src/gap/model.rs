@@ -138,7 +138,13 @@ impl Model {
 
     /// Runs one record with several choices of knobs and initial voltages, side by side; nothing where a run had to stop.
     pub fn run(&self, record: usize, choices: &[Choice]) -> Vec<Option<Course>> {
-        self.run_each(record, choices.iter().map(|choice| (choice, None)))
+        self.run_each(record, choices.iter().map(|choice| (choice, None)), |_| true)
+    }
+
+    /// The same, and nothing where an amplifier is overloaded.
+    pub(super) fn run_within_range(&self, record: usize, choices: &[Choice]) -> Vec<Option<Course>> {
+        let is_within = |trace: &Trace| trace.overloads().next().is_none();
+        self.run_each(record, choices.iter().map(|choice| (choice, None)), is_within)
     }
 
     /// The same with points of a table for each choice.
@@ -150,7 +156,7 @@ impl Model {
     ) -> Vec<Option<Course>> {
         let runs = choices.chunks(TABLED).flat_map(|some| {
             let some = some.iter().map(|(choice, points)| (choice, Some((table, points.as_slice()))));
-            self.run_each(record, some)
+            self.run_each(record, some, |_| true)
         });
         runs.collect()
     }
@@ -159,6 +165,7 @@ impl Model {
         &self,
         record: usize,
         choices: impl Iterator<Item = (&'c Choice, Option<(Table<'c>, &'c [[f64; 2]])>)>,
+        counts: impl Fn(&Trace) -> bool,
     ) -> Vec<Option<Course>> {
         let mut ready = Vec::new();
         let set = choices.map(|(choice, tabled)| {
@@ -174,7 +181,7 @@ impl Model {
         });
         let set: Vec<bool> = set.collect();
         let mut ended = run_abreast(&ready, &self.settings[record]).into_iter();
-        let course = |trace: Trace| self.course(record, &trace);
+        let course = |trace: Trace| self.course(record, &trace).filter(|_| counts(&trace));
         set.into_iter().map(|is_set| is_set.then(|| ended.next()?.ok().and_then(course)).flatten()).collect()
     }
 

@@ -4,7 +4,9 @@ use serde_json::{Map, Value, json};
 
 use super::fit::Fitted;
 use super::graft::Brought;
+use super::limits::{Limit, best_places};
 use super::search::{Outcome, Round, Trial, Verdict};
+use super::separate::Separating;
 use super::stage::{Problem, Stage};
 use super::whereabouts::Whereabouts;
 
@@ -30,10 +32,20 @@ impl Outcome {
         let effects = taken.map(told).collect::<Vec<_>>().join(", and ");
         match self.verdict {
             Verdict::Named => format!("{effects} is missing"),
-            Verdict::Ambiguous => format!("{effects} is missing: these data cannot tell"),
-            Verdict::NothingMissing => "nothing is missing that these data would show".to_owned(),
+            Verdict::Ambiguous => {
+                let would = self.separating.as_ref().map(|own| format!("; {}", own.sentence()));
+                format!("{effects} is missing: these data cannot tell{}", would.unwrap_or_default())
+            }
+            Verdict::NothingMissing => {
+                let least = best_places(&self.limits).into_iter().find_map(Limit::sentence);
+                let least = least.map(|least| format!("; {least}")).unwrap_or_default();
+                format!("nothing is missing that these data would show{least}")
+            }
             Verdict::UnknownEffect => "something is missing that the library does not have".to_owned(),
-            Verdict::CannotJudge => "these data cannot judge".to_owned(),
+            Verdict::CannotJudge => {
+                let why = self.blind.map_or_else(String::new, |why| format!(": {}", why.sentence()));
+                format!("these data cannot judge{why}")
+            }
         }
     }
 
@@ -62,6 +74,8 @@ impl Outcome {
                 "after": gaps(problem, self.told()),
             },
             "parameters": parameters(self.told()),
+            "separate": self.separating.as_ref().map(Separating::document),
+            "limits": self.limits.iter().map(Limit::document).collect::<Vec<_>>(),
             "where": self.whereabouts.iter().map(Whereabouts::document).collect::<Vec<_>>(),
         })
     }

@@ -55,6 +55,14 @@ pub struct Advantage {
 }
 
 impl Advantage {
+    /// What blocks come to.
+    fn of(blocks: &[f64]) -> Advantage {
+        let (count, sum) = (blocks.len() as f64, blocks.iter().sum::<f64>());
+        let mean = sum / count.max(1.0);
+        let spread: f64 = blocks.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
+        Advantage { sum, error: (spread * count).sqrt() }
+    }
+
     /// Both over different data.
     pub fn and(self, other: Advantage) -> Advantage {
         Advantage { sum: self.sum + other.sum, error: self.error.hypot(other.error) }
@@ -71,16 +79,28 @@ const BLOCKS: usize = 20;
 
 /// The squares of one fit less those of another, over the same data.
 pub fn advantage(worse: &Fitted, better: &Fitted) -> Advantage {
-    let mut blocks = Vec::new();
-    for (before, after) in worse.residuals.iter().flatten().zip(better.residuals.iter().flatten()) {
-        let length = before.len().div_ceil(BLOCKS.div_ceil(worse.residuals.len())).max(1);
-        for (before, after) in before.chunks(length).zip(after.chunks(length)) {
+    let records = worse.residuals.len();
+    let tracks = worse.residuals.iter().flatten().zip(better.residuals.iter().flatten());
+    let blocks = tracks.flat_map(|(before, after)| {
+        let chunks = in_blocks(before, records).zip(in_blocks(after, records));
+        chunks.map(|(before, after)| {
             let pairs = before.iter().zip(after).filter(|(a, b)| !a.is_nan() && !b.is_nan());
-            blocks.push(pairs.map(|(a, b)| a * a - b * b).sum::<f64>());
-        }
-    }
-    let (count, sum) = (blocks.len() as f64, blocks.iter().sum::<f64>());
-    let mean = sum / count.max(1.0);
-    let spread: f64 = blocks.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
-    Advantage { sum, error: (spread * count).sqrt() }
+            pairs.map(|(a, b)| a * a - b * b).sum::<f64>()
+        })
+    });
+    Advantage::of(&blocks.collect::<Vec<_>>())
+}
+
+/// The advantage to be expected of a fit that leaves noise of such a variance over one that leaves these differences as well,
+/// of so many records.
+pub fn expected(differences: &[&[f64]], records: usize, noise: f64) -> Advantage {
+    let blocks = differences.iter().flat_map(|track| in_blocks(track, records));
+    let blocks: Vec<f64> = blocks.map(|block| block.iter().map(|own| own * own).sum()).collect();
+    let shape = Advantage::of(&blocks);
+    Advantage { error: shape.error.hypot(2.0 * (noise * shape.sum).sqrt()), ..shape }
+}
+
+/// A track of one of so many records in the blocks that are compared.
+fn in_blocks(track: &[f64], records: usize) -> impl Iterator<Item = &[f64]> {
+    track.chunks(track.len().div_ceil(BLOCKS.div_ceil(records)).max(1))
 }

@@ -4,9 +4,11 @@
 use super::candidate::Candidate;
 use super::effect::Library;
 use super::graft::Attached;
+use super::limits::{Blind, Limit};
 use super::model::ModelError;
 use super::progress::{Part, Progress};
 use super::score::{Advantage, advantage};
+use super::separate::Separating;
 use super::site::Sites;
 use super::stage::{Effort, Problem, Stage};
 use super::whereabouts::Whereabouts;
@@ -87,6 +89,12 @@ pub struct Outcome {
     pub left: f64,
     /// Where and when something is missing in the patch as it was; of no junction where nothing is.
     pub whereabouts: Vec<Whereabouts>,
+    /// The smallest effects that the first round would have found.
+    pub limits: Vec<Limit>,
+    /// Why the data cannot judge, where they cannot.
+    pub blind: Option<Blind>,
+    /// The experiment that would tell two effects apart, where the data cannot.
+    pub separating: Option<Separating>,
 }
 
 /// What a search is made with.
@@ -111,9 +119,9 @@ const TRIED_FULLY: usize = 12;
 /// How many effects are looked for at most.
 const MOST_EFFECTS: usize = 3;
 /// What is held back must be explained better by so many standard errors.
-const CONFIRMED: f64 = 2.0;
+pub(super) const CONFIRMED: f64 = 2.0;
 /// A rival is behind if it lies so many standard errors behind,
-const APART: f64 = 2.5;
+pub(super) const APART: f64 = 2.5;
 /// and by a score of so much.
 const APART_BY: f64 = 6.0;
 /// Residuals further than this from white noise are not noise.
@@ -164,7 +172,11 @@ impl Problem {
         }
         let (rounds, stage) = self.settled(&base, rounds, stage, with, &mut progress)?;
         let left = self.gap(&stage) / self.gap(&base);
-        let verdict = self.verdict(&base, &stage, &rounds, left);
+        let limits = match rounds.first() {
+            Some(round) => self.limits(round, with.threads)?,
+            None => Vec::new(),
+        };
+        let verdict = self.verdict(&base, &stage, &rounds, left, &limits);
         let whereabouts = match verdict {
             Verdict::NothingMissing | Verdict::CannotJudge => Vec::new(),
             _ => {
@@ -172,7 +184,12 @@ impl Problem {
                 self.whereabouts(&base, with.threads)?
             }
         };
-        Ok(Some(Outcome { verdict, base, rounds, last: stage, left, whereabouts }))
+        let blind = self.is_blind(&base, &rounds, &limits).filter(|_| verdict == Verdict::CannotJudge);
+        let separating = match verdict {
+            Verdict::Ambiguous => self.separating(&rounds)?,
+            _ => None,
+        };
+        Ok(Some(Outcome { verdict, base, rounds, last: stage, left, whereabouts, limits, blind, separating }))
     }
 
     /// The patch of a stage fitted better, from where the best trials came to.
@@ -254,14 +271,14 @@ impl Problem {
         stage.colour > COLOURED
     }
 
-    fn verdict(&self, base: &Stage, stage: &Stage, rounds: &[Round], left: f64) -> Verdict {
+    fn verdict(&self, base: &Stage, stage: &Stage, rounds: &[Round], left: f64, limits: &[Limit]) -> Verdict {
         let taken = rounds.iter().filter(|round| round.taken);
         match (taken.clone().count(), self.is_structured(stage)) {
+            (0, false) if self.is_blind(base, rounds, limits).is_some() => Verdict::CannotJudge,
             (0, false) => Verdict::NothingMissing,
             (0, true) => Verdict::UnknownEffect,
             (_, true) if left > MOST_LEFT => Verdict::UnknownEffect,
             _ if taken.clone().any(|round| round.tied > 1) => Verdict::Ambiguous,
-            _ if !base.train.chi2.is_finite() => Verdict::CannotJudge,
             _ => Verdict::Named,
         }
     }
@@ -327,6 +344,12 @@ fn better_of(
     one.into_iter().chain(other).min_by(|(_, a), (_, b)| a.train.chi2.total_cmp(&b.train.chi2))
 }
 
+/// What the best of some trials leaves, in squares over the noise, and for how many samples that remembers: the unit of scores.
+pub(super) fn unit<'s>(tried: impl Iterator<Item = &'s Stage>) -> (f64, f64) {
+    let best = tried.min_by(|a, b| a.train.chi2.total_cmp(&b.train.chi2));
+    best.map_or((1.0, 1.0), |best| (best.train.reduced().max(f64::MIN_POSITIVE), best.memory))
+}
+
 impl Round {
     /// Judges the trials again with a better fit of the one that was taken; what is best then, if it still is to be taken.
     fn refit(&mut self, taken: Stage) -> Option<Stage> {
@@ -340,8 +363,7 @@ impl Round {
     }
 
     fn of(before: &Stage, tried: Vec<(Candidate, Stage)>) -> Round {
-        let best = tried.iter().map(|(_, stage)| stage).min_by(|a, b| a.train.chi2.total_cmp(&b.train.chi2));
-        let unit = best.map_or((1.0, 1.0), |best| (best.train.reduced().max(f64::MIN_POSITIVE), best.memory));
+        let unit = unit(tried.iter().map(|(_, stage)| stage));
         let score = |stage: &Stage| {
             let numbers = (stage.version.fit.len() - before.version.fit.len()) as f64;
             let samples = before.train.count as f64 / unit.1;

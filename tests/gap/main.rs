@@ -3,12 +3,15 @@
 //! `PATCHCORD_BLESS=1 cargo test --test gap` rewrites the reports.
 
 mod bad;
+mod limits;
 #[path = "../common/mutated.rs"]
 mod mutated;
+mod oscillator;
 mod page;
 mod provenance;
 mod reading;
 mod search;
+mod separate;
 mod spoilt;
 mod story;
 mod r#where;

@@ -34,7 +34,7 @@ fn thesis(figure: &str) -> Patch {
 }
 
 /// A few of the effects of the program, so that a search takes seconds.
-fn library(effects: &[&str]) -> Library {
+pub(super) fn library(effects: &[&str]) -> Library {
     let folder = tempfile::tempdir().unwrap();
     for effect in effects {
         let file = format!("{effect}.json");

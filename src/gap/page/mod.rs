@@ -1,8 +1,10 @@
 //! What a search did, step by step, with pictures: one HTML file that needs no other.
 
+mod apart;
 mod base;
 mod courses;
 mod end;
+mod limits;
 mod measured;
 mod round;
 mod sheet;
@@ -51,6 +53,8 @@ pub fn page(told: &Told<'_>) -> Result<String, PlotError> {
         body += &round::section(told, place + 1, round)?;
     }
     body += &end::section(told)?;
+    body += &apart::section(told.outcome);
+    body += &limits::section(&told.outcome.limits);
     body += "</main>\n";
     Ok(html::page(title, &body))
 }
@@ -73,7 +77,9 @@ fn in_short(told: &Told<'_>) -> String {
                 gap(after)
             )
         }
-        Verdict::NothingMissing => format!("What the patch leaves looks like noise: {}.", gap(base)),
+        Verdict::NothingMissing | Verdict::CannotJudge => {
+            format!("What the patch leaves looks like noise: {}.", gap(base))
+        }
         _ => format!("The patch leaves {}, and that does not look like noise.", gap(base)),
     }
 }

@@ -1,0 +1,103 @@
+//! The smallest effects that data would have shown, and data that show none.
+
+use std::path::Path;
+
+use patchcord::gap::Experiment;
+use patchcord::gap::limits::{Blind, Limit};
+use patchcord::gap::search::{Means, Outcome, Verdict};
+use patchcord::gap::stage::Problem;
+use serde_json::{Value, json};
+
+use super::oscillator::{INTERVAL, measured};
+use super::story::library;
+
+const EFFECTS: [&str; 4] = ["constant-bias", "coulomb-friction", "hard-stop", "time-delay"];
+
+fn searched(experiment: &Experiment, problem: &Problem) -> Outcome {
+    let library = library(&EFFECTS);
+    let with = Means { library: &library, threads: 2, seed: 1 };
+    problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap()
+}
+
+/// Data of an oscillator that lacks nothing, made by another program.
+fn nothing() -> (Experiment, Problem) {
+    let experiment = Experiment::read(Path::new("tests/gap/hidden/nothing/experiment.json"));
+    let experiment = experiment.unwrap_or_else(|error| panic!("{error}"));
+    let problem = Problem::of(&experiment).unwrap();
+    (experiment, problem)
+}
+
+fn limit<'o>(outcome: &'o Outcome, effect: &str) -> &'o Limit {
+    outcome.limits.iter().find(|own| own.effect == effect).unwrap()
+}
+
+#[test]
+fn a_force_above_its_limit_is_found_and_one_below_it_is_not() {
+    let (experiment, problem) = nothing();
+    let none = searched(&experiment, &problem);
+    assert_eq!(none.verdict, Verdict::NothingMissing);
+    let least = limit(&none, "constant-bias").value.unwrap();
+    let knobs = &none.base.train.point.knobs;
+    let stiffness = knobs[experiment.fit.iter().position(|name| name == "k").unwrap()];
+    // A constant force moves all that a spring holds by the same way.
+    let pushed = |force: f64| {
+        let mut problem = problem.clone();
+        let records = problem.train.iter_mut().chain(&mut problem.test);
+        records.flat_map(|record| &mut record.outputs[0]).for_each(|x| *x += force / stiffness);
+        searched(&experiment, &problem)
+    };
+    assert_eq!(pushed(0.5 * least).verdict, Verdict::NothingMissing);
+    let found = pushed(2.0 * least);
+    assert_eq!(found.verdict, Verdict::Named);
+    assert_eq!(found.rounds[0].trials[0].candidate.effect, "constant-bias");
+}
+
+#[test]
+fn what_would_have_shown_is_told() {
+    let (experiment, problem) = nothing();
+    let found = searched(&experiment, &problem);
+    let document = found.document(&problem);
+    let told: Vec<&Value> = document["limits"].as_array().unwrap().iter().collect();
+    let of = |parameter: &str| *told.iter().find(|own| own["parameter"] == parameter).unwrap();
+    assert_eq!(of("Fc")["unit"], "N");
+    assert_eq!((&of("b")["junction"], &of("b")["seen"]), (&json!("IV"), &json!(true)));
+    // A stop shows where the motion comes to it, and not much before.
+    let farthest = problem.train[0].outputs[0].iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+    let stop = of("xs")["value"].as_f64().unwrap();
+    assert!((0.5 * farthest..farthest).contains(&stop), "{stop} {farthest}");
+    assert_eq!(of("xs")["with"]["k"]["unit"], "N/m");
+    let sentence = found.sentence();
+    assert!(
+        sentence.starts_with("nothing is missing that these data would show; the smallest "),
+        "{sentence}"
+    );
+}
+
+/// So many samples of an oscillator that swings so far while a force so large is told.
+fn swinging(samples: usize, force: f64, way: f64) -> (Experiment, Problem) {
+    let swing = |size: f64| -> Vec<f64> {
+        (0..samples).map(|sample| size * (8.0 * INTERVAL * sample as f64).sin()).collect()
+    };
+    measured(&swing(force), &swing(way))
+}
+
+#[test]
+fn what_stands_still_cannot_be_judged() {
+    let (experiment, problem) = swinging(600, 1e-6, 0.0);
+    let found = searched(&experiment, &problem);
+    assert_eq!((found.verdict, found.blind), (Verdict::CannotJudge, Some(Blind::Still)));
+    assert_eq!(found.sentence(), "these data cannot judge: nothing moves in them beyond the noise");
+}
+
+#[test]
+fn a_few_samples_cannot_be_judged() {
+    let (experiment, problem) = swinging(20, 1.0, 1e-2);
+    let found = searched(&experiment, &problem);
+    assert_eq!(
+        (found.verdict, found.blind),
+        (Verdict::CannotJudge, Some(Blind::Effects)),
+        "{:?}",
+        found.limits
+    );
+    assert!(found.document(&problem)["limits"].as_array().unwrap().iter().all(|own| own["seen"] == false));
+}

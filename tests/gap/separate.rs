@@ -1,0 +1,71 @@
+//! The experiment that tells two effects apart: where data cannot, data that it makes do.
+
+use patchcord::circuit::Circuit;
+use patchcord::gap::search::{Means, Outcome, Verdict};
+use patchcord::patch::{Edit, Patch};
+use patchcord::program::Program;
+use patchcord::solve::{RunSettings, run};
+use serde_json::{Value, json};
+
+use super::oscillator::{INTERVAL, measured, patch};
+use super::story::library;
+
+/// Where the oscillator stands whose drive comes 50 ms late.
+fn late(forces: &[f64]) -> Vec<f64> {
+    let points = forces.iter().enumerate().map(|(sample, force)| [INTERVAL * sample as f64, *force]);
+    let drive = json!({"kind": "table", "scale": "force", "points": points.collect::<Vec<_>>()});
+    let edit = |path: &[&str], value: Value| Edit {
+        path: path.iter().map(|part| (*part).to_owned()).collect(),
+        value,
+    };
+    let edits = [
+        edit(&["drives", "F"], drive),
+        edit(&["elements", "DL"], json!({"kind": "delay", "in": "F", "delay": 0.05})),
+        edit(&["elements", "BF", "in"], json!("DL")),
+    ];
+    let patch = Patch::read(&patch()).unwrap().edited("late.json", &edits).unwrap();
+    let circuit = Circuit::new(&patch, &[]).unwrap_or_else(|report| panic!("{report}"));
+    let settings = RunSettings {
+        step: INTERVAL / 10.0,
+        every: INTERVAL,
+        record: vec!["x".to_owned()],
+        ..RunSettings::of(&circuit).unwrap().lasting(INTERVAL * (forces.len() - 1) as f64)
+    };
+    run(&Program::new(&circuit).unwrap(), &settings).unwrap().values("x").unwrap()
+}
+
+/// What the search makes of a drive that comes late.
+fn searched(forces: &[f64]) -> Outcome {
+    let (experiment, problem) = measured(forces, &late(forces));
+    let library = library(&["actuator-lag", "time-delay", "constant-bias"]);
+    let with = Means { library: &library, threads: 2, seed: 1 };
+    problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap()
+}
+
+#[test]
+fn what_slow_drives_cannot_tell_the_experiment_does() {
+    let slow: Vec<f64> = (0..2400)
+        .map(|sample| INTERVAL * f64::from(sample))
+        .map(|time| 20.0 * (2.0 * time).sin() + 10.0 * (3.3 * time).sin())
+        .collect();
+    let found = searched(&slow);
+    assert_eq!(found.verdict, Verdict::Ambiguous, "{}", found.sentence());
+    let separating = found.separating.as_ref().unwrap();
+    assert!(separating.tells(), "{}", separating.document());
+    let mut both = separating.from.clone();
+    both.sort();
+    assert_eq!(both, ["actuator-lag at F", "time-delay at F"]);
+    assert!(found.sentence().contains("these data cannot tell; "), "{}", found.sentence());
+    // A line of what it is, a line of names, and one for every sample: time, drive, what either predicts.
+    let csv = separating.csv();
+    let rows: Vec<Vec<f64>> =
+        csv.lines().skip(2).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert!(rows.len() == 1200 && rows.iter().all(|row| row.len() == 4));
+    // The drive made twice: once to train, once to test.
+    let once = rows.iter().map(|row| row[1]);
+    let forces: Vec<f64> = once.clone().chain(once).collect();
+    let told = searched(&forces);
+    assert_eq!(told.verdict, Verdict::Named, "{}", told.sentence());
+    assert_eq!(told.rounds[0].trials[0].candidate.effect, "time-delay");
+    assert!(told.separating.is_none());
+}
