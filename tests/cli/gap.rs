@@ -172,3 +172,20 @@ fn nothing_of_the_experiment_is_written_over() {
     }
     assert_eq!(std::fs::read_to_string(at("report.json")).unwrap(), experiment);
 }
+
+#[test]
+fn where_nothing_is_missing_what_would_have_shown_is_a_table() {
+    let told = patchcord(&["gap", "tests/gap/hidden/nothing/experiment.json"]);
+    assert_eq!((code(&told), errors(&told).as_str()), (0, ""));
+    let text = out(&told);
+    let first = text.lines().next().unwrap();
+    assert!(first.contains("nothing is missing that these data would show; the smallest "), "{first}");
+    let table =
+        text.split("what these data would have shown, every effect where it shows best\n\n").nth(1).unwrap();
+    let rows: Vec<&str> = table.lines().skip(1).take_while(|line| !line.is_empty()).collect();
+    let friction = rows.iter().find(|row| row.starts_with("coulomb-friction ")).unwrap();
+    assert!(friction.contains(" IV ") && friction.contains(" Fc ") && friction.ends_with(" N"), "{friction}");
+    let names: Vec<&str> = rows.iter().filter_map(|row| row.split(' ').next()).collect();
+    let once: std::collections::HashSet<_> = names.iter().collect();
+    assert!(names.len() > 15 && once.len() == names.len(), "{names:?}");
+}
