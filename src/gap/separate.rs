@@ -1,8 +1,9 @@
 //! The experiment that would tell two effects apart: of many drives that of which their predictions differ most.
 //!
 //! Both patches stand at rest, with their parameters as the data left them, and are driven alike. What counts of the difference is
-//! what is left when the one is fitted to what the other predicts, whichever of the two comes nearer.
+//! what is left when the one is fitted to what the other predicts, whichever of the two comes nearer, or has fewer numbers.
 
+use std::cmp::Ordering;
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
@@ -110,10 +111,12 @@ impl Separating {
     /// The same in words.
     pub fn sentence(&self) -> String {
         let most = number(self.apart.iter().copied().fold(0.0, f64::max));
-        if self.tells() {
-            return format!("{} would: they differ by {most} times the noise", self.drive_in_words());
+        let errors = number((10.0 * self.errors).round() / 10.0);
+        let differ = format!("they differ by {most} times the noise, {errors} standard errors over a record");
+        match self.tells() {
+            true => format!("{} would: {differ}", self.drive_in_words()),
+            false => format!("no drive of this size would: at most {differ}"),
         }
-        format!("no drive of this size would: at most they differ by {most} times the noise")
     }
 
     /// "a sine of 3 N at 1.2 Hz on F".
@@ -324,10 +327,18 @@ impl Comparison<'_> {
         Ok(fitted.into_iter().next())
     }
 
-    /// How far the predictions differ when that one is fitted to the other which comes nearer.
+    /// How far the predictions differ when that one is fitted to the other which comes nearer; of two of which one has fewer numbers
+    /// that one: the other may hold it as a case of its own, and then has to be worth its numbers.
     fn apart_at_least(&self, run: &Run, fits: bool) -> Result<Apart, ModelError> {
-        let [one, other] = [self.apart(run, 0, fits)?, self.apart(run, 1, fits)?];
-        Ok(if one.errors < other.errors { one } else { other })
+        let numbers = self.trials.map(|trial| trial.stage.version.fit.len());
+        match numbers[0].cmp(&numbers[1]) {
+            Ordering::Less => self.apart(run, 0, fits),
+            Ordering::Greater => self.apart(run, 1, fits),
+            Ordering::Equal => {
+                let [one, other] = [self.apart(run, 0, fits)?, self.apart(run, 1, fits)?];
+                Ok(if one.errors < other.errors { one } else { other })
+            }
+        }
     }
 
     /// What one trial leaves of the prediction of the other when it is fitted to it: to first order, or to the end.
