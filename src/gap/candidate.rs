@@ -7,8 +7,10 @@ use crate::patch::{EditError, Patch};
 
 /// No sample takes more steps than this for the sake of an effect's time.
 const MOST_STEPS: u32 = 4;
-/// From so many points a fit may begin.
-const MOST_STARTS: usize = 48;
+/// From so many points a fit may begin,
+const MOST_STARTS: usize = 16;
+/// and from so many without any effect.
+const MOST_SHAPES: usize = 12;
 
 /// An effect wired into a patch.
 #[derive(Debug, Clone)]
@@ -23,7 +25,9 @@ pub struct Candidate {
     pub reads: Vec<String>,
     /// The patch with it.
     pub graft: Graft,
-    /// The values of its parameters from which fits begin, that without any effect first where there is one.
+    /// Values of its parameters with which it has no effect, one for every shape that it may have.
+    pub without: Vec<Vec<f64>>,
+    /// Values from which fits begin beside those.
     pub starts: Vec<Vec<f64>>,
     /// The value of its first parameter at which there is no effect, where that lies in its range.
     pub none: Option<f64>,
@@ -45,25 +49,23 @@ impl Candidate {
         let Some(measured) = measured.collect::<Option<Vec<_>>>() else { return Ok(None) };
         let graft =
             attached.graft(patch, &measured.iter().map(|own| own.brought.clone()).collect::<Vec<_>>())?;
-        let none = measured.first().and_then(|first| first.none);
-        let without: Option<Vec<f64>> = none.map(|none| {
-            let rest = measured.iter().skip(1).map(|own| own.brought.value);
-            [none].into_iter().chain(rest).collect()
-        });
-        let starts = measured.iter().fold(vec![Vec::new()], |points: Vec<Vec<f64>>, own| {
-            let with = |point: &Vec<f64>| {
-                let point = point.clone();
-                own.starts.iter().map(move |start| [point.as_slice(), &[*start]].concat()).collect::<Vec<_>>()
-            };
-            points.iter().flat_map(with).collect()
-        });
+        let (first, shape) =
+            measured.split_first().map_or((None, [].as_slice()), |(first, shape)| (Some(first), shape));
+        let over_shapes = |sizes: Vec<f64>, most| {
+            let sizes = sizes.into_iter().map(|size| vec![size]).collect();
+            let points = shape.iter().fold(sizes, each_with);
+            thinned(points, most)
+        };
+        let none = first.and_then(|first| first.none);
+        let starts = first.map(|first| first.starts.clone()).unwrap_or_default();
         Ok(Some(Candidate {
             effect: attached.effect.name.clone(),
             junction: attached.junction().to_owned(),
             form: attached.number(),
             reads: attached.reads(),
             graft,
-            starts: without.into_iter().chain(starts).take(MOST_STARTS).collect(),
+            without: over_shapes(none.into_iter().collect(), MOST_SHAPES),
+            starts: over_shapes(starts, MOST_STARTS),
             none,
         }))
     }
@@ -74,6 +76,17 @@ impl Candidate {
             && self.form == attached.number()
             && self.junction == attached.junction()
             && self.reads == attached.reads()
+    }
+
+    /// The effect and where it acts.
+    pub fn named(&self) -> String {
+        format!("{} at {}", self.effect, self.junction)
+    }
+
+    /// Whether another is the same effect at the same place.
+    pub fn is_same(&self, other: &Candidate) -> bool {
+        let place = |own: &Candidate| (own.effect.clone(), own.form, own.junction.clone(), own.reads.clone());
+        place(self) == place(other)
     }
 
     /// Steps from sample to sample without which its least time would be shorter than a step.
@@ -95,6 +108,20 @@ fn near_the_end(
     let named = largest.iter().find(|own| own.name == parameter.reach.text())?;
     let [end, other] = towards(named.ends);
     Some(FROM_THE_END.iter().map(|share| end + share * (other - end)).collect())
+}
+
+/// So many of several points at most, from all over them.
+fn thinned(points: Vec<Vec<f64>>, most: usize) -> Vec<Vec<f64>> {
+    let every = points.len().div_ceil(most).max(1);
+    points.into_iter().step_by(every).collect()
+}
+
+/// Points with one more parameter, which may be each of several.
+fn each_with(points: Vec<Vec<f64>>, own: &Measured) -> Vec<Vec<f64>> {
+    let with = |point: Vec<f64>| {
+        own.starts.iter().map(move |start| [point.as_slice(), &[*start]].concat()).collect::<Vec<_>>()
+    };
+    points.into_iter().flat_map(with).collect()
 }
 
 /// A parameter in its unit.

@@ -55,8 +55,17 @@ pub struct Fitted {
     pub free: usize,
     /// Standard errors of the knobs, in declared units; infinite where the data do not tell.
     pub errors: Vec<f64>,
-    /// How often the derivatives were worked out.
-    pub rounds: usize,
+}
+
+/// Where a fit has come to.
+#[derive(Debug, Clone)]
+pub struct Reached {
+    /// Where.
+    pub point: Point,
+    /// The sum of the squares of the residuals.
+    pub chi2: f64,
+    /// Whether going on would come to nothing better, or not to what is wanted.
+    pub has_ended: bool,
 }
 
 impl Fitted {
@@ -88,6 +97,8 @@ const SETTLED: f64 = 0.01;
 const SETTLED_SHARE: f64 = 1e-6;
 /// By this share of its range a coordinate is moved for a derivative.
 const NUDGE: f64 = 1e-6;
+/// A coordinate that would change the squares by less than this, all its way, is left where it is.
+const LEAST_FELT: f64 = 1.0;
 /// Eigenvalues of the normal matrix below this share of the largest tell of nothing.
 const LEAST_TOLD: f64 = 1e-12;
 
@@ -112,31 +123,35 @@ struct Normal {
 impl Task<'_> {
     /// Fits from a point on; nothing where the model cannot be run there.
     pub fn fit(&self, from: &Point) -> Option<Fitted> {
+        self.told(&self.reached(from)?.point)
+    }
+
+    /// Where a fit comes to from a point on; nothing where the model cannot be run there.
+    pub fn reached(&self, from: &Point) -> Option<Reached> {
         let mut at = self.shares(from);
-        let mut courses = self.courses(std::slice::from_ref(&at)).pop()?;
-        let mut chi2 = self.chi2(&at, courses.as_ref()?);
-        let (mut damping, mut rounds) = (1e-3, 0);
-        let normal = loop {
-            let normal = self.normal(&at, courses.as_ref()?);
-            rounds += 1;
-            if rounds > self.most_rounds {
-                break normal;
-            }
+        let mut courses = self.courses(std::slice::from_ref(&at)).pop()??;
+        let mut chi2 = self.chi2(&at, &courses);
+        let mut damping = 1e-3;
+        let mut has_ended = false;
+        for round in 1..=self.most_rounds {
+            let normal = self.normal(&at, &courses);
             let Some((next, reached, lower, used)) = self.step(&at, chi2, &normal, damping) else {
-                break normal;
+                has_ended = true;
+                break;
             };
             let gain = chi2 - lower;
-            (at, courses, chi2, damping) = (next, Some(reached), lower, used / 3.0);
-            if gain < SETTLED.max(SETTLED_SHARE * chi2) || self.is_hopeless(chi2, gain, rounds) {
-                break self.normal(&at, courses.as_ref()?);
+            (at, courses, chi2, damping) = (next, reached, lower, used / 3.0);
+            has_ended = gain < SETTLED.max(SETTLED_SHARE * chi2) || self.is_hopeless(chi2, gain, round);
+            if has_ended {
+                break;
             }
-        };
-        Some(self.fitted(&at, &courses?, chi2, &normal, rounds))
+        }
+        Some(Reached { point: self.point(&at), chi2, has_ended })
     }
 
     /// Whether a fit that goes on as in its last round will not come to what is wanted.
     fn is_hopeless(&self, chi2: f64, gain: f64, rounds: usize) -> bool {
-        let left = self.most_rounds.saturating_sub(rounds);
+        let left = MOST_ROUNDS.saturating_sub(rounds);
         rounds >= FIRST_ROUNDS && chi2 - gain * left as f64 > self.wanted
     }
 
@@ -345,7 +360,7 @@ impl Task<'_> {
     /// A step within the bounds: what would leave them stays there, and the rest goes without it.
     fn damped(&self, at: &DVector<f64>, normal: &Normal, damping: f64) -> DVector<f64> {
         let mut free: Vec<usize> = (0..at.len())
-            .filter(|index| self.is_free(*index) && normal.matrix[(*index, *index)] > 0.0)
+            .filter(|index| self.is_free(*index) && normal.matrix[(*index, *index)] > LEAST_FELT)
             .collect();
         let mut to = at.clone();
         loop {
@@ -368,20 +383,16 @@ impl Task<'_> {
         }
     }
 
-    fn fitted(
-        &self,
-        at: &DVector<f64>,
-        courses: &[Course],
-        chi2: f64,
-        normal: &Normal,
-        rounds: usize,
-    ) -> Fitted {
+    /// What is to be told of a point that was fitted; nothing where the model cannot be run there.
+    pub fn told(&self, point: &Point) -> Option<Fitted> {
+        let at = self.shares(point);
+        let courses = self.courses(std::slice::from_ref(&at)).pop()??;
+        let (chi2, normal) = (self.chi2(&at, &courses), self.normal(&at, &courses));
         let residuals = courses.iter().enumerate().map(|(record, course)| {
-            (0..self.sigma.len()).map(|output| self.residual(at, record, output, course)).collect::<Vec<_>>()
+            (0..self.sigma.len()).map(|output| self.residual(&at, record, output, course)).collect::<Vec<_>>()
         });
         let residuals: Vec<Vec<Vec<f64>>> = residuals.collect();
         let count = residuals.iter().flatten().flatten().filter(|value| !value.is_nan()).count();
-        let point = self.point(at);
         let free: Vec<usize> = (0..at.len()).filter(|index| self.is_free(*index)).collect();
         let spread = normal.spread(&free);
         let error = |(index, knob): (usize, &Knob)| {
@@ -389,7 +400,7 @@ impl Task<'_> {
             place.map_or(0.0, |place| spread[place] * knob.slope(point.knobs[index]))
         };
         let errors = self.model.knobs.iter().enumerate().map(|(index, knob)| error((index, knob))).collect();
-        Fitted { point, chi2, residuals, count, free: free.len(), errors, rounds }
+        Some(Fitted { point: point.clone(), chi2, residuals, count, free: free.len(), errors })
     }
 }
 

@@ -116,7 +116,11 @@ impl<'a> Place<'a> {
         };
         let mut places = Vec::new();
         for position in choices(Reads::Position, &junction.positions) {
-            for load in choices(Reads::Load, &junction.loads) {
+            let loads = match form.reads.contains(&Reads::Force) {
+                true => junction.forces.iter().map(Some).collect(),
+                false => choices(Reads::Load, &junction.loads),
+            };
+            for load in loads {
                 let nexts = nexts.iter();
                 places.extend(nexts.map(|next| Place::Junction { junction, position, load, next: *next }));
             }
@@ -131,7 +135,8 @@ impl<'a> Place<'a> {
                 let sum = Role::sum(junction);
                 let mut roles = vec![("own", Role::Read(&junction.own)), ("sum", sum), ("signal", sum)];
                 roles.extend(position.map(|reading| ("position", Role::Read(reading))));
-                roles.extend(load.map(|reading| ("load", Role::Read(reading))));
+                let load = load.iter().copied();
+                roles.extend(load.flat_map(|own| ["load", "force"].map(|name| (name, Role::Read(own)))));
                 roles.extend(next.map(|next| ("next", Role::sum(next))));
                 roles
             }
@@ -289,7 +294,7 @@ impl<'a> Wiring<'a> {
             let reading = match reads {
                 Reads::Own => Some(&junction.own),
                 Reads::Position => *position,
-                Reads::Load => *load,
+                Reads::Load | Reads::Force => *load,
                 Reads::In => None,
             };
             if let Some(reading) = reading {

@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use super::candidate::Candidate;
 use super::experiment::Experiment;
 use super::graft::RECORD_START;
 use super::model::{ModelError, begun};
@@ -53,13 +54,12 @@ impl Outcome {
 
     /// The effects that were taken, with their parameters.
     fn effects(&self) -> String {
-        let taken = self.rounds.iter().filter(|round| round.taken);
-        taken.map(|round| self.effect(round)).collect::<Vec<_>>().join("; and ")
+        let taken = self.effects.iter().zip(&self.rounds);
+        taken.map(|(own, round)| self.effect(own, round)).collect::<Vec<_>>().join("; and ")
     }
 
-    fn effect(&self, round: &Round) -> String {
-        let Some(best) = round.trials.first() else { return String::new() };
-        let parameters = best.found(&self.last).map(|(own, value, error)| {
+    fn effect(&self, own: &Candidate, round: &Round) -> String {
+        let parameters = self.last.brought(own).map(|(own, value, error)| {
             let [low, high] = interval(value, error);
             let between = match error.is_finite() {
                 true => format!("{} ... {}", number(low), number(high)),
@@ -74,7 +74,7 @@ impl Outcome {
             [] => String::new(),
             rivals => format!(" (or {}: the data cannot tell)", rivals.join(" or ")),
         };
-        format!("{}{or}, {}", best.named(), parameters.join(", "))
+        format!("{}{or}, {}", own.named(), parameters.join(", "))
     }
 }
 

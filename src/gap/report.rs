@@ -2,8 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
+use super::candidate::Candidate;
 use super::fit::Fitted;
-use super::graft::Brought;
 use super::limits::{Limit, best_places};
 use super::search::{Outcome, Round, Trial, Verdict};
 use super::separate::Separating;
@@ -56,11 +56,11 @@ impl Outcome {
 
     /// The report as a JSON document.
     pub fn document(&self, problem: &Problem) -> Value {
-        let taken: Vec<&Round> = self.rounds.iter().filter(|round| round.taken).collect();
         let named = matches!(self.verdict, Verdict::Named | Verdict::Ambiguous);
-        let effects = taken.iter().filter(|_| named).flat_map(|round| {
-            let told = round.trials.iter().take(1).chain(round.rivals().filter(|_| round.tied > 1));
-            told.map(|trial| effect(trial, &self.last))
+        let taken = self.effects.iter().zip(&self.rounds).filter(|_| named);
+        let effects = taken.flat_map(|(own, round)| {
+            let rivals = round.rivals().map(|trial| effect(&trial.candidate, &trial.stage));
+            [effect(own, &self.last)].into_iter().chain(rivals)
         });
         let rivals = self.rounds.iter().enumerate().flat_map(|(number, round)| {
             round.trials.iter().map(move |trial| rival(number + 1, round, trial))
@@ -91,29 +91,19 @@ impl Round {
 impl Trial {
     /// The effect and where it acts.
     pub fn named(&self) -> String {
-        format!("{} at {}", self.candidate.effect, self.candidate.junction)
-    }
-
-    /// The parameters that it brought, their values and standard errors: those of a later stage where that still has them.
-    pub(super) fn found<'t>(&'t self, later: &'t Stage) -> impl Iterator<Item = (&'t Brought, f64, f64)> {
-        self.candidate.graft.parameters.iter().filter_map(move |own| {
-            let mut stages = [later, &self.stage].into_iter();
-            stages.find_map(|stage| {
-                let place = stage.version.fit.iter().position(|name| *name == own.name)?;
-                Some((own, stage.train.point.knobs[place], stage.error(place)))
-            })
-        })
+        self.candidate.named()
     }
 }
 
-fn effect(trial: &Trial, stage: &Stage) -> Value {
-    let parameters = trial.found(stage);
+/// An effect as it stands in the patch of a stage.
+fn effect(candidate: &Candidate, stage: &Stage) -> Value {
+    let parameters = stage.brought(candidate);
     let parameters =
         parameters.map(|(own, value, error)| (own.of.clone(), measured(value, error, &own.unit)));
     json!({
-        "name": trial.candidate.effect,
-        "junction": trial.candidate.junction,
-        "reads": trial.candidate.reads,
+        "name": candidate.effect,
+        "junction": candidate.junction,
+        "reads": candidate.reads,
         "parameters": parameters.collect::<Map<_, _>>(),
     })
 }

@@ -10,7 +10,7 @@ use super::progress::{Part, Progress};
 use super::score::{Advantage, advantage};
 use super::separate::Separating;
 use super::site::Sites;
-use super::stage::{Effort, Problem, Stage};
+use super::stage::{Asked, Effort, Problem, Stage};
 use super::whereabouts::Whereabouts;
 use crate::circuit::Circuit;
 use crate::patch::Patch;
@@ -62,6 +62,8 @@ pub struct Trial {
 pub struct Round {
     /// The patch without the effects that were tried.
     pub before: Stage,
+    /// Whether that has no effect yet that was found.
+    pub is_first: bool,
     /// Every trial, the best first.
     pub trials: Vec<Trial>,
     /// What the best does for the records that were held back.
@@ -83,7 +85,9 @@ pub struct Outcome {
     pub base: Stage,
     /// What was tried, one effect after the other.
     pub rounds: Vec<Round>,
-    /// The patch with every effect that was taken and is still needed, fitted.
+    /// What was taken in the first of these rounds.
+    pub effects: Vec<Candidate>,
+    /// The patch with all that was taken, fitted.
     pub last: Stage,
     /// The share of the gap that is left, in rms.
     pub left: f64,
@@ -124,6 +128,8 @@ pub(super) const CONFIRMED: f64 = 2.0;
 pub(super) const APART: f64 = 2.5;
 /// and by a score of so much.
 const APART_BY: f64 = 6.0;
+/// An effect beside others must close such a share of what they leave, in squares, or all of it that is no noise.
+const LEAST_CLOSED: f64 = 0.5;
 /// Residuals further than this from white noise are not noise.
 const COLOURED: f64 = 4.0;
 /// So large a share of the gap may be left of an effect whose law has another shape than the library's.
@@ -143,34 +149,24 @@ impl Problem {
     ) -> Result<Option<Outcome>, ModelError> {
         progress(Progress::of(Part::Base));
         let Some(mut base) = self.base(patch, fit, with.seed)? else { return Ok(None) };
-        let mut rounds: Vec<Round> = Vec::new();
-        let (mut stage, mut bettered) = (base.clone(), 0);
-        while rounds.len() < MOST_EFFECTS {
-            let round = self.round(&stage, rounds.len() + 1, with, &mut progress)?;
+        let mut come = Come { rounds: Vec::new(), effects: Vec::new(), stage: base.clone() };
+        let mut bettered = 0;
+        while come.rounds.len() < MOST_EFFECTS {
+            let round = self.round(&come.stage, &come.effects, with, &mut progress)?;
             // A trial may have found what the patch alone could have been fitted to.
-            let better = if bettered < MOST_BETTERED { self.better(&stage, &round)? } else { None };
-            let again = match (rounds.last_mut(), better) {
-                (None, Some(better)) => {
-                    base = better.clone();
-                    Some(better)
+            let better = if bettered < MOST_BETTERED { self.better(&come.stage, &round)? } else { None };
+            if better.is_some_and(|better| come.is_bettered_by(better)) {
+                if come.rounds.is_empty() {
+                    base = come.stage.clone();
                 }
-                (Some(last), Some(better)) => last.refit(better),
-                (_, None) => None,
-            };
-            if let Some(again) = again {
                 bettered += 1;
-                stage = again;
                 continue;
             }
-            let taken = round.taken.then(|| round.trials[0].stage.clone());
-            rounds.push(round);
-            let Some(next) = taken else { break };
-            stage = next;
-            if !self.is_structured(&stage) {
+            if !come.goes_on_with(round) || !self.is_structured(&come.stage) {
                 break;
             }
         }
-        let (rounds, stage) = self.settled(&base, rounds, stage, with, &mut progress)?;
+        let Come { rounds, effects, stage } = self.settled(&base, come, with, &mut progress)?;
         let left = self.gap(&stage) / self.gap(&base);
         let limits = match rounds.first() {
             Some(round) => self.limits(round, with.threads)?,
@@ -189,7 +185,18 @@ impl Problem {
             Verdict::Ambiguous => self.separating(&rounds)?,
             _ => None,
         };
-        Ok(Some(Outcome { verdict, base, rounds, last: stage, left, whereabouts, limits, blind, separating }))
+        Ok(Some(Outcome {
+            verdict,
+            base,
+            rounds,
+            effects,
+            last: stage,
+            left,
+            whereabouts,
+            limits,
+            blind,
+            separating,
+        }))
     }
 
     /// The patch of a stage fitted better, from where the best trials came to.
@@ -202,34 +209,39 @@ impl Problem {
         Ok(None)
     }
 
-    /// Looks at every effect again, with all that came after it: another may be better now, or none be needed.
+    /// Looks at every effect again, beside all the others: another may be better now, or none be needed.
     fn settled(
         &self,
         base: &Stage,
-        mut rounds: Vec<Round>,
-        mut stage: Stage,
+        mut come: Come,
         with: &Means<'_>,
         progress: &mut impl FnMut(Progress),
-    ) -> Result<(Vec<Round>, Stage), ModelError> {
-        let mut place = 0;
-        while rounds.iter().filter(|round| round.taken).count() > 1 && place + 1 < rounds.len() {
-            let others = rounds.iter().enumerate().filter(|(other, round)| *other != place && round.taken);
-            let others: Vec<&Candidate> = others.map(|(_, round)| &round.trials[0].candidate).collect();
-            if !rounds[place].taken {
+    ) -> Result<Come, ModelError> {
+        let (mut place, mut others_stand) = (0, true);
+        while come.effects.len() > 1 && place < come.effects.len() {
+            // The last was found beside the others.
+            if others_stand && place + 1 == come.effects.len() {
                 break;
             }
-            let Some(without) = self.joined(base, &others, with.library)? else { break };
-            let again = self.round(&without, place + 1, with, progress)?;
-            if again.taken {
-                stage = again.trials[0].stage.clone();
-                rounds[place] = again;
-                place += 1;
-            } else {
-                stage = without;
-                rounds.remove(place);
+            let others = come.effects.iter().enumerate().filter(|(other, _)| *other != place);
+            let others: Vec<&Candidate> = others.map(|(_, own)| own).collect();
+            let Some((kept, without)) = self.joined(base, &others, with.library)? else { break };
+            let is_needed = self.is_structured(&without);
+            let again = is_needed.then(|| self.round(&without, &kept, with, progress)).transpose()?;
+            match again.filter(|again| again.taken) {
+                Some(again) => {
+                    others_stand &= again.trials[0].candidate.is_same(&come.effects[place]);
+                    come.replace(place, kept, again);
+                    place += 1;
+                }
+                None => {
+                    come.rounds.remove(place);
+                    (come.effects, come.stage) = (kept, without);
+                    others_stand = false;
+                }
             }
         }
-        Ok((rounds, stage))
+        Ok(come)
     }
 
     /// A stage with several effects wired in one after the other; nothing where one does not fit any more.
@@ -238,8 +250,8 @@ impl Problem {
         base: &Stage,
         effects: &[&Candidate],
         library: &Library,
-    ) -> Result<Option<Stage>, ModelError> {
-        let mut stage = base.clone();
+    ) -> Result<Option<(Vec<Candidate>, Stage)>, ModelError> {
+        let (mut kept, mut stage) = (Vec::new(), base.clone());
         for effect in effects {
             let sites = self.sites(&stage)?;
             let all = library.iter().flat_map(|own| Attached::all(own, &sites));
@@ -247,12 +259,14 @@ impl Problem {
                 return Ok(None);
             };
             let peaks = self.peaks(&stage)?;
-            let Some((_, next)) = self.attempt(&stage, &attached, &peaks, Effort::FULL)? else {
+            let asked = Asked { effort: Effort::FULL, wanted: stage.train.chi2, before: None };
+            let Some((candidate, next)) = self.attempt(&stage, &attached, &peaks, asked)? else {
                 return Ok(None);
             };
+            kept.push(candidate);
             stage = next;
         }
-        Ok(Some(stage))
+        Ok(Some((kept, stage)))
     }
 
     pub(super) fn sites(&self, stage: &Stage) -> Result<Sites, ModelError> {
@@ -283,35 +297,46 @@ impl Problem {
         }
     }
 
-    /// Tries every effect on a stage, as the round of this number.
+    /// Tries every effect on a stage that has some already.
     fn round(
         &self,
         stage: &Stage,
-        number: usize,
+        effects: &[Candidate],
         with: &Means<'_>,
         progress: &mut impl FnMut(Progress),
     ) -> Result<Round, ModelError> {
         let sites = self.sites(stage)?;
         let peaks = self.peaks(stage)?;
-        let all: Vec<Attached<'_>> =
-            with.library.iter().flat_map(|effect| Attached::all(effect, &sites)).collect();
-        let mut tell = |part: Part, done: u64, of: usize| {
-            progress(Progress { round: number, part, done, all: of as u64 });
+        let is_new = |own: &Attached<'_>| own.effect.recurs() || effects.iter().all(|effect| !effect.is(own));
+        let all = with.library.iter().flat_map(|effect| Attached::all(effect, &sites));
+        let all: Vec<Attached<'_>> = all.filter(is_new).collect();
+        let number = effects.len() + 1;
+        let mut tell = |part, done, all: usize| {
+            progress(Progress { round: number, part, done, all: all as u64 });
         };
-        let attempt =
-            |attached: &Attached<'_>, effort| self.attempt(stage, attached, &peaks, effort).ok().flatten();
+        let attempt = |attached: &Attached<'_>, asked: Asked<'_>| {
+            self.attempt(stage, attached, &peaks, asked).ok().flatten()
+        };
+        let before = stage.train.chi2;
         let mut tried = pool::each(
             &all,
             with.threads,
-            |own| attempt(own, Effort::QUICK),
+            |own| attempt(own, Asked { effort: Effort::QUICK, wanted: before, before: None }),
             |done| tell(Part::Quick, done, all.len()),
         );
         let mut harder = |most: usize, effort: Effort, part: Part| {
             let order = best_of(&tried, most);
+            // Where there is no hope to come to what the best has come to, no more is needed.
+            let best = order.first().and_then(|place| tried[*place].as_ref());
+            let reached = best.map_or(before, |(_, stage)| stage.train.chi2.min(before));
             let again = pool::each(
                 &order,
                 with.threads,
-                |place| attempt(&all[*place], effort),
+                |place| {
+                    let wanted = if *place == order[0] { before } else { reached };
+                    let come = tried[*place].as_ref().map(|(_, stage)| stage);
+                    attempt(&all[*place], Asked { effort, wanted, before: come })
+                },
                 |done| tell(part, done, order.len()),
             );
             for (place, again) in order.iter().zip(again) {
@@ -323,7 +348,7 @@ impl Problem {
         if is_far && !self.is_cut {
             harder(GROWN, Effort::GROWING, Part::Growing);
         }
-        Ok(Round::of(stage, tried.into_iter().flatten().collect()))
+        Ok(Round::of(stage, effects.is_empty(), tried.into_iter().flatten().collect()))
     }
 }
 
@@ -350,19 +375,78 @@ pub(super) fn unit<'s>(tried: impl Iterator<Item = &'s Stage>) -> (f64, f64) {
     best.map_or((1.0, 1.0), |best| (best.train.reduced().max(f64::MIN_POSITIVE), best.memory))
 }
 
+/// How far a search has come.
+struct Come {
+    /// What was tried, one effect after the other.
+    rounds: Vec<Round>,
+    /// What was taken in the first of these rounds,
+    effects: Vec<Candidate>,
+    /// and the patch with it.
+    stage: Stage,
+}
+
+impl Come {
+    /// Whether to go on with a round: it is one more, and its best is taken.
+    fn goes_on_with(&mut self, round: Round) -> bool {
+        let best = round.taken.then(|| round.trials[0].clone());
+        self.rounds.push(round);
+        let is_taken = best.is_some();
+        if let Some(best) = best {
+            self.effects.push(best.candidate);
+            self.stage = best.stage;
+        }
+        is_taken
+    }
+
+    /// Whether to go on from here with a better fit of the patch: not where its last effect would not have been taken then.
+    fn is_bettered_by(&mut self, better: Stage) -> bool {
+        let Some(last) = self.rounds.last_mut() else {
+            self.stage = better;
+            return true;
+        };
+        let Some(best) = last.refit(better) else { return false };
+        self.effects.pop();
+        self.effects.push(best.candidate);
+        self.stage = best.stage;
+        true
+    }
+
+    /// Another round in a place, found beside the others.
+    fn replace(&mut self, place: usize, others: Vec<Candidate>, round: Round) {
+        let best = round.trials[0].clone();
+        self.effects = others;
+        self.effects.insert(place, best.candidate);
+        self.stage = best.stage;
+        self.rounds[place] = round;
+    }
+}
+
 impl Round {
     /// Judges the trials again with a better fit of the one that was taken; what is best then, if it still is to be taken.
-    fn refit(&mut self, taken: Stage) -> Option<Stage> {
+    fn refit(&mut self, taken: Stage) -> Option<Trial> {
         let mut tried: Vec<(Candidate, Stage)> =
             self.trials.iter().map(|trial| (trial.candidate.clone(), trial.stage.clone())).collect();
         tried.first_mut()?.1 = taken;
-        let again = Round::of(&self.before, tried);
-        let stage = again.taken.then(|| again.trials[0].stage.clone())?;
+        let again = Round::of(&self.before, self.is_first, tried);
+        let best = again.taken.then(|| again.trials[0].clone())?;
         *self = again;
-        Some(stage)
+        Some(best)
     }
 
-    fn of(before: &Stage, tried: Vec<(Candidate, Stage)>) -> Round {
+    /// The share of the gap, in squares, that the best closes.
+    pub fn closed(&self) -> f64 {
+        let gap = |stage: &Stage| (stage.train.reduced() - 1.0).max(1e-6);
+        self.trials.first().map_or(0.0, |best| 1.0 - gap(&best.stage) / gap(&self.before))
+    }
+
+    /// Whether the best does enough to stand beside what was taken before it: most of what is left, or all that does not look
+    /// like noise. An effect whose law has another shape than the library's leaves something, too.
+    pub fn closes_enough(&self) -> bool {
+        let leaves_noise = self.trials.first().is_some_and(|best| best.stage.colour < COLOURED);
+        self.is_first || leaves_noise || self.closed() > LEAST_CLOSED
+    }
+
+    fn of(before: &Stage, is_first: bool, tried: Vec<(Candidate, Stage)>) -> Round {
         let unit = unit(tried.iter().map(|(_, stage)| stage));
         let score = |stage: &Stage| {
             let numbers = (stage.version.fit.len() - before.version.fit.len()) as f64;
@@ -379,25 +463,47 @@ impl Round {
         let mut trials: Vec<Trial> = tried.into_iter().map(trial).collect();
         trials.sort_by(|a, b| b.score.total_cmp(&a.score));
         let needed = 2.0 * (trials.len().max(1) as f64).ln() + 4.0;
-        let Some(best) = trials.first().cloned() else {
-            return Round {
-                before: before.clone(),
-                trials,
-                confirmed: nothing,
-                needed,
-                tied: 0,
-                taken: false,
-            };
+        let mut round = Round {
+            before: before.clone(),
+            is_first,
+            trials,
+            confirmed: nothing,
+            needed,
+            tied: 0,
+            taken: false,
         };
-        let confirmed = advantage(&before.test, &best.stage.test);
-        for trial in &mut trials {
-            trial.behind = advantage(&trial.stage.train, &best.stage.train)
-                .and(advantage(&trial.stage.test, &best.stage.test));
-        }
-        let taken = best.score > needed && confirmed.ratio() > CONFIRMED;
-        let mut round = Round { before: before.clone(), trials, confirmed, needed, tied: 1, taken };
-        round.tied += round.trials.iter().skip(1).filter(|trial| round.is_tied(trial)).count();
+        round.judge();
         round
+    }
+
+    /// Holds the trials against the best, and judges it.
+    fn judge(&mut self) {
+        self.compare();
+        // What explains all the data better, those held back with those it was fitted to, is better than its score.
+        let ahead = (1..self.trials.len()).filter(|place| self.is_ahead(&self.trials[*place]));
+        let ratio = |place: &usize| self.trials[*place].behind.ratio();
+        if let Some(place) = ahead.min_by(|a, b| ratio(a).total_cmp(&ratio(b))) {
+            self.trials[..=place].rotate_right(1);
+            self.compare();
+        }
+        let Some(best) = self.trials.first() else { return };
+        self.confirmed = advantage(&self.before.test, &best.stage.test);
+        let is_evident = best.score > self.needed && self.confirmed.ratio() > CONFIRMED;
+        self.taken = is_evident && self.closes_enough();
+        self.tied = 1 + self.trials.iter().skip(1).filter(|trial| self.is_tied(trial)).count();
+    }
+
+    fn compare(&mut self) {
+        let behind = |trial: &Trial| {
+            let best = &self.trials[0].stage;
+            advantage(&trial.stage.train, &best.train).and(advantage(&trial.stage.test, &best.test))
+        };
+        let behind: Vec<Advantage> = self.trials.iter().map(behind).collect();
+        self.trials.iter_mut().zip(behind).for_each(|(trial, behind)| trial.behind = behind);
+    }
+
+    fn is_ahead(&self, trial: &Trial) -> bool {
+        trial.score > self.needed && trial.behind.ratio() < -APART
     }
 
     /// Whether the data cannot tell a trial from the best, which is of another effect.
@@ -405,7 +511,8 @@ impl Round {
         let best = &self.trials[0];
         // One that needs more numbers has to be worth them.
         let is_simple = trial.stage.version.fit.len() <= best.stage.version.fit.len();
-        let is_near = best.score - trial.score < APART_BY || (is_simple && trial.behind.ratio() < APART);
+        let is_near = best.score - trial.score < APART_BY || is_simple;
+        let is_near = is_near && trial.behind.ratio() < APART;
         // What leaves structure where another leaves noise is no rival.
         let is_noise = |trial: &Trial| trial.stage.colour < COLOURED;
         let is_as_good = is_noise(trial) || !is_noise(best);

@@ -36,8 +36,10 @@ pub struct Junction {
     pub is_motion: bool,
     /// Signals of the time integral of what it gives.
     pub positions: Vec<Reading>,
-    /// Signals and drives in the unit of the sum.
+    /// Signals and drives in the unit of the sum,
     pub loads: Vec<Reading>,
+    /// and those of them that are no drives.
+    pub forces: Vec<Reading>,
 }
 
 /// What drives an integrator, and the way from there into it.
@@ -218,12 +220,15 @@ impl<'c> Wiring<'c> {
         let is_load = |reading: &Reading| {
             measures(reading, sum.unit.dimension()) && Some(&reading.at) != at_sum.as_ref()
         };
-        let loads = self.readings().filter(|(at, _)| self.root(*at).0 != element).map(|(_, reading)| reading);
+        let forces =
+            self.readings().filter(|(at, _)| self.root(*at).0 != element).map(|(_, reading)| reading);
+        let forces: Vec<Reading> = forces.filter(is_load).collect();
         Some(Junction {
             integrator: name.to_owned(),
             is_motion: integral == Dimension::LENGTH || integral == Dimension::NONE,
             positions: positions.filter(|reading| measures(reading, integral)).collect(),
-            loads: loads.chain(drives).filter(is_load).collect(),
+            loads: forces.iter().cloned().chain(drives.filter(is_load)).collect(),
+            forces,
             own,
             is_upright,
             sum,

@@ -7,8 +7,8 @@ use serde_json::json;
 use super::candidate::Candidate;
 use super::examine::{examine, peaks};
 use super::experiment::{Experiment, Feed};
-use super::fit::{Fitted, MOST_ROUNDS, Point, Task};
-use super::graft::{Attached, Place, Role};
+use super::fit::{Fitted, MOST_ROUNDS, Point, Reached, Task};
+use super::graft::{Attached, Brought, Place, Role};
 use super::model::{Choice, Model, ModelError};
 use super::reach::Largest;
 use super::record::Record;
@@ -94,6 +94,17 @@ impl Stage {
         self.train.over_noise() >= FAR
     }
 
+    /// The parameters that an effect brought, their values and standard errors.
+    pub(super) fn brought<'s>(
+        &'s self,
+        effect: &'s Candidate,
+    ) -> impl Iterator<Item = (&'s Brought, f64, f64)> {
+        effect.graft.parameters.iter().filter_map(|own| {
+            let place = self.version.fit.iter().position(|name| *name == own.name)?;
+            Some((own, self.train.point.knobs[place], self.error(place)))
+        })
+    }
+
     /// The standard error of what is fitted at a place, as wide as what is left, and how long that remembers, makes it.
     pub fn error(&self, place: usize) -> f64 {
         self.train.errors[place] * (self.train.reduced().max(1.0) * self.memory).sqrt()
@@ -103,38 +114,114 @@ impl Stage {
 /// How much is done to fit a stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
-    /// So many of the points from which fits could begin are gone on from,
+    /// So many of the points from which fits could begin are gone on from, those without any effect not counted,
     starts: usize,
-    /// and so often the derivatives are worked out for each.
+    /// through heats one after the other.
+    heats: &'static [Heat],
+    /// Whether all records are fitted, or a few of many; and held against the others from every point, or only looked at.
+    is_thorough: bool,
+}
+
+/// A round of fits from several points, of which those that come furthest go on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Heat {
+    /// So often the derivatives are worked out for each.
     rounds: usize,
-    /// Shares of the records, from their beginnings, that are fitted one after the other before all of them.
-    shares: &'static [f64],
+    /// So many go on.
+    ahead: usize,
+    /// The share of every record that is fitted, from its beginning.
+    until: f64,
+}
+
+impl Heat {
+    const fn new(rounds: usize, ahead: usize, until: f64) -> Heat {
+        Heat { rounds, ahead, until }
+    }
 }
 
 impl Effort {
     /// Enough to see whether more is worth while.
-    pub const QUICK: Effort = Effort { starts: 1, rounds: 5, shares: &[] };
+    pub const QUICK: Effort =
+        Effort { starts: 1, heats: &[Heat::new(1, 1, 1.0), Heat::new(4, 1, 1.0)], is_thorough: false };
     /// Enough to be held against others.
-    pub const FULL: Effort = Effort { starts: 4, rounds: MOST_ROUNDS, shares: &[] };
+    pub const FULL: Effort = Effort {
+        starts: 4,
+        heats: &[Heat::new(1, 3, 1.0), Heat::new(4, 2, 1.0), Heat::new(MOST_ROUNDS, 1, 1.0)],
+        is_thorough: true,
+    };
     /// Where motion swings or sticks: what is fitted to all of it at once keeps step with the wrong swing.
-    pub const GROWING: Effort = Effort { starts: 4, rounds: MOST_ROUNDS, shares: &[0.35, 0.65] };
+    pub const GROWING: Effort = Effort {
+        starts: 4,
+        heats: &[
+            Heat::new(1, 4, 1.0),
+            Heat::new(MOST_ROUNDS, 4, 0.35),
+            Heat::new(MOST_ROUNDS, 4, 0.65),
+            Heat::new(MOST_ROUNDS, 1, 1.0),
+        ],
+        is_thorough: true,
+    };
+}
+
+impl Effort {
+    /// Where a task comes to from the best of several points.
+    fn best(self, task: &Task<'_>, starts: &Starts) -> Option<Point> {
+        let sure = starts.sure.iter().cloned();
+        let begun = |point: Point| Reached { point, chi2: f64::INFINITY, has_ended: false };
+        let nearest = task.nearest(&starts.others, self.starts).cloned();
+        let mut ahead: Vec<Reached> = sure.chain(nearest).map(begun).collect();
+        let mut seen = 1.0;
+        for heat in self.heats {
+            let wanted = if heat.until < 1.0 { f64::INFINITY } else { task.wanted };
+            let part = Task { until: heat.until, most_rounds: heat.rounds, wanted, ..*task };
+            let goes_on = |own: Reached| match own.has_ended && heat.until == seen {
+                true => Some(own),
+                false => part.reached(&own.point),
+            };
+            ahead = ahead.into_iter().filter_map(goes_on).collect();
+            ahead.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
+            ahead.truncate(heat.ahead);
+            seen = heat.until;
+        }
+        ahead.into_iter().next().map(|best| best.point)
+    }
+}
+
+/// What is asked of a trial.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked<'a> {
+    /// How much is done.
+    pub effort: Effort,
+    /// Below what the sum of squares is to come.
+    pub wanted: f64,
+    /// Where the same trial came to with less effort.
+    pub before: Option<&'a Stage>,
+}
+
+/// Points from which fits begin.
+#[derive(Debug, Clone, Default)]
+struct Starts {
+    /// From each of them,
+    sure: Vec<Point>,
+    /// and from some of these, those that are nearest to the data.
+    others: Vec<Point>,
 }
 
 /// From where a stage is fitted.
 #[derive(Debug, Clone)]
 struct From<'a> {
     /// Points for the records whole.
-    starts: Vec<Point>,
-    /// Points for their pieces.
-    in_pieces: Vec<Point>,
+    starts: Starts,
+    /// Points for their pieces, where those are fitted first.
+    in_pieces: Option<Starts>,
     /// The initial voltages of the records that are held back, as an earlier fit found them.
     held: Option<&'a [Vec<f64>]>,
     effort: Effort,
 }
 
 impl From<'_> {
-    fn starts(starts: Vec<Point>) -> Self {
-        From { starts, in_pieces: Vec::new(), held: None, effort: Effort::FULL }
+    fn points(others: Vec<Point>) -> Self {
+        let starts = Starts { others, ..Starts::default() };
+        From { starts, in_pieces: None, held: None, effort: Effort::FULL }
     }
 }
 
@@ -144,6 +231,11 @@ const PIECES: usize = 16;
 const LEAST_PIECE: usize = 40;
 /// Where the gap is less than so many sigmas rms, fits find their way without pieces.
 const FAR: f64 = 5.0;
+
+/// A first look at many records takes so many samples of them.
+const GLANCED_AT: usize = 4000;
+/// So often the derivatives are worked out in a first look at what was held back.
+const FIRST_HELD: usize = 2;
 
 /// The solver may err by this share of the noise, rms.
 const FINE: f64 = 0.1;
@@ -237,22 +329,23 @@ impl Problem {
     /// # Errors
     /// When the patch cannot be run beside the records at all.
     fn stage(&self, version: Version, from: From<'_>, wanted: f64) -> Result<Option<Stage>, ModelError> {
-        let in_pieces = self.in_pieces(&version, &from.in_pieces, from.effort)?;
+        let in_pieces = from.in_pieces.map(|starts| self.in_pieces(&version, &starts, from.effort));
+        let in_pieces = in_pieces.transpose()?.flatten();
         let model = self.model(&version, &self.train, &self.outputs)?;
-        let most_rounds = from.effort.rounds;
-        let task = Task { wanted, most_rounds, ..self.task(&model, &self.train, true) };
-        let whole = in_pieces.as_ref().map(|point| self.joined_up(point));
-        let grown = |start: &Point, until: f64| {
-            let part = Task { until, wanted: f64::INFINITY, ..task };
-            part.fit(start).map(|fitted| fitted.point)
+        let task = Task { wanted, ..self.task(&model, &self.train, true) };
+        let mut starts = from.starts;
+        starts.sure.extend(in_pieces.as_ref().map(|point| self.joined_up(point)));
+        let glance = self.glance();
+        let best = match from.effort.is_thorough || glance.len() == self.train.len() {
+            true => from.effort.best(&task, &starts),
+            false => {
+                let glanced = self.at_a_glance(&version, &glance, &starts, from.effort)?;
+                let once = Task { most_rounds: 1, ..task };
+                glanced.and_then(|point| once.reached(&point)).map(|reached| reached.point)
+            }
         };
-        let fit = |start: &Point| {
-            let mut shares = from.effort.shares.iter();
-            task.fit(&shares.try_fold(start.clone(), |at, until| grown(&at, *until))?)
-        };
-        let fits = whole.iter().chain(task.nearest(&from.starts, from.effort.starts)).filter_map(fit);
-        let Some(train) = Fitted::best_of(fits) else { return Ok(None) };
-        let test = self.held(&version, &train.point, from.held)?;
+        let Some(train) = best.and_then(|point| task.told(&point)) else { return Ok(None) };
+        let test = self.held(&version, &train.point, from.held, from.effort)?;
         Ok(test.map(|test| Stage::new(version, train, test, in_pieces)))
     }
 
@@ -260,16 +353,44 @@ impl Problem {
     fn in_pieces(
         &self,
         version: &Version,
-        starts: &[Point],
+        starts: &Starts,
         effort: Effort,
     ) -> Result<Option<Point>, ModelError> {
-        if starts.is_empty() {
-            return Ok(None);
-        }
         let model = self.model(version, &self.pieces, &self.outputs)?;
-        let task = Task { most_rounds: effort.rounds, ..self.task(&model, &self.pieces, true) };
-        let fits = task.nearest(starts, effort.starts).filter_map(|start| task.fit(start));
-        Ok(Fitted::best_of(fits).map(|fitted| fitted.point))
+        let task = self.task(&model, &self.pieces, true);
+        Ok(effort.best(&task, starts))
+    }
+
+    /// The places of records, all or a few of many, from which a first look takes its data.
+    fn glance(&self) -> Vec<usize> {
+        let (records, samples) = (self.train.len(), self.train.iter().map(Record::len).sum::<usize>());
+        let count = (GLANCED_AT * records / samples.max(1)).clamp(1, records);
+        (0..count).map(|place| place * records / count).collect()
+    }
+
+    /// Where a patch fitted to a few of the records comes to; the others begin where they did before.
+    fn at_a_glance(
+        &self,
+        version: &Version,
+        places: &[usize],
+        starts: &Starts,
+        effort: Effort,
+    ) -> Result<Option<Point>, ModelError> {
+        let records: Vec<Record> = places.iter().map(|place| self.train[*place].clone()).collect();
+        let model = self.model(version, &records, &self.outputs)?;
+        let few = |point: &Point| {
+            let initial = places.iter().map(|place| point.initial[*place].clone());
+            Point { initial: initial.collect(), ..point.clone() }
+        };
+        let all = |points: &[Point]| points.iter().map(few).collect();
+        let some = Starts { sure: all(&starts.sure), others: all(&starts.others) };
+        let best = effort.best(&self.task(&model, &records, true), &some);
+        let Some((first, best)) = starts.sure.iter().chain(&starts.others).next().zip(best) else {
+            return Ok(None);
+        };
+        let mut initial = first.initial.clone();
+        places.iter().zip(best.initial).for_each(|(place, own)| initial[*place] = own);
+        Ok(Some(Point { initial, ..best }))
     }
 
     /// A point of the pieces as one of the records whole.
@@ -290,14 +411,16 @@ impl Problem {
         version: &Version,
         at: &Point,
         from: Option<&[Vec<f64>]>,
+        effort: Effort,
     ) -> Result<Option<Fitted>, ModelError> {
         let model = self.model(version, &self.test, &self.outputs)?;
         let first = Point::of(&model, self.outputs.len());
         let first = Point { knobs: at.knobs.clone(), offsets: at.offsets.clone(), ..first };
         let before = from.map(|initial| Point { initial: filled(initial, &first.initial), ..first.clone() });
-        let task = self.task(&model, &self.test, false);
-        let fits = before.into_iter().chain([first]).filter_map(|point| task.fit(&point));
-        Ok(Fitted::best_of(fits))
+        let (starts, most_rounds) = if effort.is_thorough { (2, MOST_ROUNDS) } else { (1, FIRST_HELD) };
+        let task = Task { most_rounds, ..self.task(&model, &self.test, false) };
+        let starts = before.into_iter().chain([first]).take(starts);
+        Ok(Fitted::best_of(starts.filter_map(|point| task.fit(&point))))
     }
 
     /// The first stage: a patch as it is, fitted from where it stands and from points scattered over the ranges of what is fitted.
@@ -314,7 +437,7 @@ impl Problem {
         let points: Vec<Point> = [first.clone()].into_iter().chain(scattered).collect();
         let settled = points.iter().filter_map(|point| settle.fit(point)).map(|fitted| fitted.point);
         let starts: Vec<Point> = settled.chain([first.clone()]).collect();
-        let from = From::starts(starts);
+        let from = From::points(starts);
         let Some(stage) = self.stage(version, from, f64::INFINITY)? else { return Ok(None) };
         if self.is_cut || !stage.is_far() {
             return Ok(Some(stage));
@@ -329,9 +452,9 @@ impl Problem {
         let settle = Task { turns: false, ..self.task(&model, &self.pieces, true) };
         let Some(settled) = settle.fit(&first) else { return Ok(stage) };
         let from = From {
-            in_pieces: vec![settled.point],
+            in_pieces: Some(Starts { sure: vec![settled.point], ..Starts::default() }),
             held: Some(&stage.test.point.initial),
-            ..From::starts(vec![stage.train.point.clone()])
+            ..From::points(vec![stage.train.point.clone()])
         };
         let again = self.stage(stage.version.clone(), from, f64::INFINITY)?;
         Ok(again.unwrap_or(stage))
@@ -353,7 +476,7 @@ impl Problem {
                 .collect(),
             offsets: other.offsets.clone(),
         };
-        let from = From { held: Some(&stage.test.point.initial), ..From::starts(vec![start]) };
+        let from = From { held: Some(&stage.test.point.initial), ..From::points(vec![start]) };
         let again = self.stage(stage.version.clone(), from, f64::INFINITY)?;
         let again = again.map(|again| Stage { in_pieces: stage.in_pieces.clone(), ..again });
         Ok(again.filter(|again| again.train.chi2 < BETTER * stage.train.chi2))
@@ -390,7 +513,8 @@ impl Problem {
         Ok(Peaks { names, ends, interval, length, spectrum })
     }
 
-    /// Wires one more effect into a stage, and fits everything anew; nothing where the effect does not fit.
+    /// Wires one more effect into a stage, and fits everything anew, as long as there is hope to come to what is wanted; nothing
+    /// where the effect does not fit.
     ///
     /// # Errors
     /// When the patch with it cannot be run beside the records.
@@ -399,7 +523,7 @@ impl Problem {
         stage: &Stage,
         attached: &Attached<'_>,
         peaks: &Peaks,
-        effort: Effort,
+        asked: Asked<'_>,
     ) -> Result<Option<(Candidate, Stage)>, ModelError> {
         let largest = peaks.at(&attached.place);
         let Some(candidate) = Candidate::new(attached, &stage.version.patch, &largest, &peaks.spectrum)?
@@ -414,25 +538,29 @@ impl Problem {
             free: stage.version.free.iter().chain(&graft.free).cloned().collect(),
             steps: stage.version.steps.max(candidate.steps(peaks.interval)),
         };
-        let begun = |before: &Point| {
+        let begun = |home: &Point, before: Option<&Point>| {
             let with = |start: &Vec<f64>| Point {
-                knobs: [before.knobs.as_slice(), start].concat(),
-                initial: before
+                knobs: [home.knobs.as_slice(), start].concat(),
+                initial: home
                     .initial
                     .iter()
                     .map(|own| [own.as_slice(), &vec![0.0; graft.free.len()]].concat())
                     .collect(),
-                offsets: before.offsets.clone(),
+                offsets: home.offsets.clone(),
             };
-            candidate.starts.iter().map(with).collect::<Vec<_>>()
+            let sure = candidate.without.iter().map(with).chain(before.cloned());
+            Starts { sure: sure.collect(), others: candidate.starts.iter().map(with).collect() }
         };
         let from = From {
-            starts: begun(&stage.train.point),
-            in_pieces: stage.in_pieces.as_ref().map(begun).unwrap_or_default(),
+            starts: begun(&stage.train.point, asked.before.map(|before| &before.train.point)),
+            in_pieces: stage
+                .in_pieces
+                .as_ref()
+                .map(|home| begun(home, asked.before.and_then(|before| before.in_pieces.as_ref()))),
             held: Some(&stage.test.point.initial),
-            effort,
+            effort: asked.effort,
         };
-        Ok(self.stage(version, from, stage.train.chi2)?.map(|stage| (candidate, stage)))
+        Ok(self.stage(version, from, asked.wanted)?.map(|stage| (candidate, stage)))
     }
 }
 

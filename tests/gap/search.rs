@@ -56,6 +56,19 @@ fn a_constant_inflow_is_named_at_its_tank() {
 }
 
 #[test]
+fn a_disturbance_with_a_frequency_of_its_own_is_named() {
+    named("periodic", "f", "f");
+}
+
+#[test]
+fn a_relay_in_the_drive_is_none_of_the_effects() {
+    let (experiment, _, found, _) = searched("relay", 2);
+    assert_eq!(found.verdict, Verdict::UnknownEffect);
+    assert!(found.augmented(&experiment, "augmented.json").unwrap().is_none());
+    assert_eq!(found.whereabouts[0].junction, "IT");
+}
+
+#[test]
 fn nothing_is_named_where_nothing_is_missing_whatever_the_threads() {
     let [(experiment, problem, one, _), (_, _, other, _)] =
         [1, 2].map(|threads| searched("nothing", threads));

@@ -50,6 +50,13 @@ pub struct EffectParameter {
     pub description: String,
 }
 
+impl Effect {
+    /// Whether it may act at the same place twice: each time with a frequency of its own.
+    pub fn recurs(&self) -> bool {
+        self.parameters.values().any(|own| own.start == Start::Spectrum)
+    }
+}
+
 /// From where fits begin.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Start {
@@ -140,6 +147,7 @@ words! {
         Own "own" "what the integrator gives, positive where it is",
         Position "position" "a signal of its time integral",
         Load "load" "a signal or drive in the unit of the sum",
+        Force "force" "such a signal that is no drive",
         In "in" "what came through the cord",
     }
 }

@@ -94,7 +94,7 @@ of one. Each is a file in `patches/effects`; a folder of your own joins them wit
 A fragment attaches where the dimensions fit. `motion` is the input of an integrator that gives a velocity, `store` of one
 that gives something else, `sum` of either; `total` lies between all that drives an integrator and the integrator;
 `drive` and `level` are cords of a drive and of a friction level. Fragments read `own`, what the integrator gives, `position`, its time
-integral, `load`, a force, or `in`, what came through the cord. They give to the sum (`add`, `subtract`), to the brake of the integrator,
+integral, `load`, a force, `force`, one that is no drive, or `in`, what came through the cord. They give to the sum (`add`, `subtract`), to the brake of the integrator,
 which is true friction, to another junction (`add_to_next`), or on through the cord (`out`).
 
 Parameters are measured in what is largest at the place: `sum` stands for the largest force, `own` for the largest

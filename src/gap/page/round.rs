@@ -68,6 +68,10 @@ fn judged(round: &Round, best: &Trial) -> String {
                 number(round.needed)
             )
         }
+        (false, _) if !round.closes_enough() => format!(
+            "{score}; but it closes only {} % of what is left, and what it leaves is no noise. None is taken.",
+            number(100.0 * round.closed())
+        ),
         (false, _) => format!("{score}; but {held}, which is no evidence. None is taken."),
     }
 }

@@ -9,7 +9,7 @@ use crate::gap::fit::{Fitted, Point, Task};
 use crate::gap::model::{Choice, ModelError, Table, begun};
 use crate::gap::record::Record;
 use crate::gap::site::{Junction, Reading, Sites};
-use crate::gap::stage::{Problem, Stage, Version};
+use crate::gap::stage::{Effort, Problem, Stage, Version};
 use crate::patch::Patch;
 
 /// Over so many knots the force of all records goes, and over more where something is left.
@@ -312,7 +312,8 @@ impl At<'_> {
         let Some(found) = found.min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { return Ok(None) };
         let (patch, _) = wired(&found.sought)?;
         let version = self.version(patch);
-        let test = self.problem.held(&version, &found.point, Some(&self.stage.test.point.initial))?;
+        let test =
+            self.problem.held(&version, &found.point, Some(&self.stage.test.point.initial), Effort::FULL)?;
         Ok(test.map(|test| Closed { patch: version.patch, found, test }))
     }
 }
