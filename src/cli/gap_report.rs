@@ -6,7 +6,7 @@ use patchcord::gap::limits::{Limit, best_places};
 use patchcord::gap::search::{Outcome, Round, Verdict};
 use patchcord::gap::stage::{Problem, Stage};
 use patchcord::gap::whereabouts::{self, Whereabouts};
-use patchcord::instruments::Display;
+use patchcord::instruments::number;
 
 /// So many trials are told of every round.
 const TOLD: usize = 8;
@@ -68,10 +68,6 @@ fn limits(found: &[Limit]) -> String {
         table.row([limit.effect.clone(), limit.junction.clone(), limit.parameter.clone(), from]);
     }
     format!("\nwhat these data would have shown, every effect where it shows best\n\n{}", table.text())
-}
-
-fn number(value: f64) -> String {
-    Display::new("", 1.0).number(value)
 }
 
 fn heading(place: usize, round: &Round) -> String {

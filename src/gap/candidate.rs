@@ -85,8 +85,10 @@ impl Candidate {
 
     /// Whether another is the same effect at the same place.
     pub fn is_same(&self, other: &Candidate) -> bool {
-        let place = |own: &Candidate| (own.effect.clone(), own.form, own.junction.clone(), own.reads.clone());
-        place(self) == place(other)
+        self.effect == other.effect
+            && self.form == other.form
+            && self.junction == other.junction
+            && self.reads == other.reads
     }
 
     /// Steps from sample to sample without which its least time would be shorter than a step.

@@ -74,6 +74,11 @@ impl Fitted {
         self.chi2 / self.count as f64
     }
 
+    /// What no noise explains of that: nothing, or next to it, where the model is right.
+    pub fn unexplained(&self) -> f64 {
+        (self.reduced() - 1.0).max(1e-6)
+    }
+
     /// What is left, rms over the noise.
     pub fn over_noise(&self) -> f64 {
         self.reduced().sqrt()

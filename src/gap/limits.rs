@@ -16,7 +16,7 @@ use super::record::Record;
 use super::score::expected;
 use super::search::{CONFIRMED, Round, Trial, unit};
 use super::stage::{Problem, Stage, Version};
-use crate::instruments::Display;
+use crate::instruments::number;
 use crate::pool;
 
 /// The smallest effect of a kind, at a place, that data would have shown.
@@ -149,7 +149,7 @@ impl Limit {
     /// Its value with its unit.
     pub fn told(&self) -> Option<String> {
         let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
-        self.value.map(|value| format!("{}{unit}", Display::new("", 1.0).number(value)))
+        self.value.map(|value| format!("{}{unit}", number(value)))
     }
 
     /// Whether the data could show the effect at all.

@@ -10,10 +10,10 @@ use super::experiment::Experiment;
 use super::graft::RECORD_START;
 use super::model::{ModelError, begun};
 use super::report::interval;
-use super::search::{Outcome, Round, Trial, Verdict};
+use super::search::{Outcome, Round, Trial};
 use super::stage::Stage;
 use super::whereabouts::Whereabouts;
-use crate::instruments::Display;
+use crate::instruments::number;
 use crate::patch::{Edit, Patch};
 
 impl Outcome {
@@ -31,7 +31,7 @@ impl Outcome {
     /// # Errors
     /// None that is known: what is edited stands in the patch.
     pub fn augmented(&self, experiment: &Experiment, file: &str) -> Result<Option<Patch>, ModelError> {
-        if !matches!(self.verdict, Verdict::Named | Verdict::Ambiguous) {
+        if !self.verdict.has_names() {
             return Ok(None);
         }
         let stages = [&self.base, self.told()].map(left);
@@ -155,8 +155,4 @@ fn force(found: &Whereabouts) -> String {
         Some(_) => format!("at {}, a function of {}", found.junction, found.best_against()),
         None => format!("at {}, a table over the time of the first record", found.junction),
     }
-}
-
-fn number(value: f64) -> String {
-    Display::new("", 1.0).number(value)
 }

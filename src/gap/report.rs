@@ -16,10 +16,7 @@ pub(super) const TWO_SIDED_95: f64 = 1.96;
 impl Outcome {
     /// The stage that is told of: the last one where something is named, else the patch as it was.
     pub fn told(&self) -> &Stage {
-        match self.verdict {
-            Verdict::Named | Verdict::Ambiguous => &self.last,
-            _ => &self.base,
-        }
+        if self.verdict.has_names() { &self.last } else { &self.base }
     }
 
     /// The verdict in words.
@@ -56,8 +53,7 @@ impl Outcome {
 
     /// The report as a JSON document.
     pub fn document(&self, problem: &Problem) -> Value {
-        let named = matches!(self.verdict, Verdict::Named | Verdict::Ambiguous);
-        let taken = self.effects.iter().zip(&self.rounds).filter(|_| named);
+        let taken = self.effects.iter().zip(&self.rounds).filter(|_| self.verdict.has_names());
         let effects = taken.flat_map(|(own, round)| {
             let rivals = round.rivals().map(|trial| effect(&trial.candidate, &trial.stage));
             [effect(own, &self.last)].into_iter().chain(rivals)

@@ -32,6 +32,11 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Whether effects are named.
+    pub fn has_names(self) -> bool {
+        matches!(self, Verdict::Named | Verdict::Ambiguous)
+    }
+
     /// The word for it in reports.
     pub fn as_str(self) -> &'static str {
         match self {
@@ -172,7 +177,8 @@ impl Problem {
             Some(round) => self.limits(round, with.threads)?,
             None => Vec::new(),
         };
-        let verdict = self.verdict(&base, &stage, &rounds, left, &limits);
+        let blind = self.is_blind(&base, &rounds, &limits);
+        let verdict = self.verdict(&stage, &rounds, left, blind);
         let whereabouts = match verdict {
             Verdict::NothingMissing | Verdict::CannotJudge => Vec::new(),
             _ => {
@@ -180,7 +186,7 @@ impl Problem {
                 self.whereabouts(&base, with.threads)?
             }
         };
-        let blind = self.is_blind(&base, &rounds, &limits).filter(|_| verdict == Verdict::CannotJudge);
+        let blind = blind.filter(|_| verdict == Verdict::CannotJudge);
         let separating = match verdict {
             Verdict::Ambiguous => self.separating(&rounds)?,
             _ => None,
@@ -277,7 +283,7 @@ impl Problem {
 
     /// What no noise explains, in sigmas rms.
     pub fn gap(&self, stage: &Stage) -> f64 {
-        (stage.train.reduced() - 1.0).max(1e-6).sqrt()
+        stage.train.unexplained().sqrt()
     }
 
     /// Whether what is left is more than noise.
@@ -285,10 +291,10 @@ impl Problem {
         stage.colour > COLOURED
     }
 
-    fn verdict(&self, base: &Stage, stage: &Stage, rounds: &[Round], left: f64, limits: &[Limit]) -> Verdict {
+    fn verdict(&self, stage: &Stage, rounds: &[Round], left: f64, blind: Option<Blind>) -> Verdict {
         let taken = rounds.iter().filter(|round| round.taken);
         match (taken.clone().count(), self.is_structured(stage)) {
-            (0, false) if self.is_blind(base, rounds, limits).is_some() => Verdict::CannotJudge,
+            (0, false) if blind.is_some() => Verdict::CannotJudge,
             (0, false) => Verdict::NothingMissing,
             (0, true) => Verdict::UnknownEffect,
             (_, true) if left > MOST_LEFT => Verdict::UnknownEffect,
@@ -435,8 +441,8 @@ impl Round {
 
     /// The share of the gap, in squares, that the best closes.
     pub fn closed(&self) -> f64 {
-        let gap = |stage: &Stage| (stage.train.reduced() - 1.0).max(1e-6);
-        self.trials.first().map_or(0.0, |best| 1.0 - gap(&best.stage) / gap(&self.before))
+        let before = self.before.train.unexplained();
+        self.trials.first().map_or(0.0, |best| 1.0 - best.stage.train.unexplained() / before)
     }
 
     /// Whether the best does enough to stand beside what was taken before it: most of what is left, or all that does not look

@@ -16,7 +16,7 @@ use super::record::Record;
 use super::score::expected;
 use super::search::{APART, Round, Trial, unit};
 use super::stage::Problem;
-use crate::instruments::Display;
+use crate::instruments::number;
 use crate::machines::REFERENCE;
 
 /// What a drive does.
@@ -174,10 +174,6 @@ impl Separating {
         }
         text
     }
-}
-
-fn number(value: f64) -> String {
-    Display::new("", 1.0).number(value)
 }
 
 /// A drive that is tried.

@@ -39,8 +39,8 @@ pub use profile::{
     Absent, Drawn, ProfileCriterion, ProfileError, ProfilePoint, Section, VelocityProfile, Way,
     profile_picture, velocity_profile,
 };
-pub use quantity::Display;
 pub(crate) use quantity::with_unit;
+pub use quantity::{Display, number};
 pub use ringing::{Ringing, RingingError, ringing};
 pub use scope::{ScopeError, picture};
 pub use sensitivity::{Sensitivity, sensitivities, sensitivity_pictures};

@@ -61,6 +61,11 @@ fn digits(value: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
+/// A number of no unit, to four digits.
+pub fn number(value: f64) -> String {
+    Display::new("", 1.0).number(value)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

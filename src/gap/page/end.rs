@@ -2,7 +2,6 @@
 
 use super::Told;
 use super::sheet::{number, over_noise, parameters, table};
-use crate::gap::search::Verdict;
 use crate::plot::PlotError;
 
 pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
@@ -16,7 +15,7 @@ pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
         &["gap over noise, rms", "training", "held back", "distance from white, in standard deviations"],
         rows.into_iter(),
     );
-    if matches!(told.outcome.verdict, Verdict::Named | Verdict::Ambiguous) {
+    if told.outcome.verdict.has_names() {
         text += &parameters(last);
         // After one round the same pictures stand there.
         if told.outcome.rounds.iter().filter(|round| round.taken).count() > 1 {

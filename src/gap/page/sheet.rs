@@ -3,15 +3,11 @@
 use crate::gap::fit::Fitted;
 use crate::gap::stage::Stage;
 use crate::html::escaped;
-use crate::instruments::Display;
+pub(super) use crate::instruments::number;
 use crate::plot::{self, Format, Picture, PlotError, Size};
 
 /// The size of a picture.
 const SIZE: Size = Size { width: 900, height: 420 };
-
-pub(super) fn number(value: f64) -> String {
-    Display::new("", 1.0).number(value)
-}
 
 /// What is left, rms over the noise.
 pub(super) fn over_noise(fitted: &Fitted) -> String {
