@@ -189,6 +189,28 @@ fn effects_follow_their_laws() {
     assert!(stuck.iter().zip(&free).any(|(stuck, free)| (stuck - free).abs() > 0.1));
 }
 
+/// Where the mass comes to rest it is held, until the force passes Fc + dF (1 - exp(-rest / Tg)); then friction is Fc at once.
+#[test]
+fn friction_that_grows_at_rest_is_torn_apart_as_it_slides() {
+    let (fc, df, tg, m, omega) = (6.0, 3.0, 0.05, 2.0, 2.0 * std::f64::consts::PI);
+    let velocity = with("static-friction-growth", &[("dF", df), ("Tg", tg), ("Fc", fc)]);
+    let force = |sample: usize| 10.0 * (omega * sample as f64 * 0.01 + 1.0).sin();
+    let rests: Vec<usize> = (1..velocity.len()).filter(|sample| velocity[*sample] == 0.0).collect();
+    let rests: Vec<&[usize]> = rests.chunk_by(|one, next| one + 1 == *next).collect();
+    assert!(rests.len() > 3, "{rests:?}");
+    for rest in &rests[..rests.len() - 1] {
+        let (first, last) = (rest[0], rest[rest.len() - 1]);
+        let grown = |samples: usize| fc + df * (1.0 - (-(samples as f64) * 0.01 / tg).exp());
+        assert!(force(last).abs() < grown(last - first + 1), "it is held as long as that");
+        assert!(force(last + 1).abs() > grown(last - first), "and no longer");
+        // m v' = F - Fc from the next sample on.
+        let (from, to) = (last + 2, last + 6);
+        let pushed = |sample: usize| -10.0 / omega * (omega * sample as f64 * 0.01 + 1.0).cos();
+        let gained = pushed(to) - pushed(from) - fc * 0.04 * velocity[to].signum();
+        assert!((m * (velocity[to] - velocity[from]) - gained).abs() < 1e-6, "{first} ... {last}");
+    }
+}
+
 #[test]
 fn an_effect_of_ones_own_is_a_file() {
     let folder = tempfile::tempdir().unwrap();

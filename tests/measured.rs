@@ -5,6 +5,8 @@
 mod common;
 #[path = "problems/equations.rs"]
 mod equations;
+#[path = "../benches/measured/velocity.rs"]
+mod velocity;
 
 use std::fmt::Write as _;
 use std::fs;
@@ -196,5 +198,28 @@ fn experiments_read_the_data_where_they_are() {
         assert_eq!(read.warnings.to_string(), "", "{}", path.display());
         let samples: usize = read.train.iter().chain(&read.test).map(|record| record.len()).sum();
         assert!([24_841, 2 * 24_841, 2 * 1024].contains(&samples), "{}: {samples}", path.display());
+    }
+}
+
+/// Where the data are, the numbers that were fitted apart from the program come as near to the measured velocity as docs/measured.md tells.
+#[test]
+fn velocities_come_as_near_as_is_told() {
+    let file = Path::new(FOLDER).join("emps-friction.experiment.json");
+    let Ok(experiment) = Experiment::read(&file) else {
+        eprintln!("velocities are not held against the slide: its data are not in {FOLDER}/data");
+        return;
+    };
+    let viscous = [("M", 94.29), ("offset", -3.55), ("Fv", 192.7), ("Fc", 21.61)];
+    let by_direction = [("M", 93.25), ("offset", -0.19), ("Fp", 157.3), ("Fm", 233.1), ("Fc", 21.31)];
+    let cases =
+        [("emps-friction", &viscous[..], [0.046, 0.066]), ("emps-asymmetric", &by_direction, [0.014, 0.050])];
+    for (stem, values, told) in cases {
+        let (fit, knobs): (Vec<String>, Vec<f64>) =
+            values.iter().map(|(name, value)| ((*name).to_owned(), *value)).unzip();
+        let patch = shipped(&format!("measured/{stem}"));
+        for (record, told) in [&experiment.train[0], &experiment.test[0]].into_iter().zip(told) {
+            let error = velocity::error(&experiment, &patch, (&fit, &knobs), record).unwrap();
+            assert!((error - told).abs() < 0.001, "{stem}, {}: {error} and not {told}", record.name);
+        }
     }
 }

@@ -25,17 +25,45 @@ pub enum Judgement {
     Among,
     /// Something is missing, and nothing is named.
     Refused,
+    /// Something is named that is not there, but some data cannot tell it from what is: each has the other among its aliases.
+    Alias,
     /// Something is named that is not there.
     Wrong,
     /// Nothing is missing, and something is said to be.
     FalseAlarm,
 }
 
+impl Judgement {
+    /// Every one, in the order of a table.
+    pub const ALL: [Judgement; 7] = [
+        Judgement::Right,
+        Judgement::Half,
+        Judgement::Among,
+        Judgement::Refused,
+        Judgement::Alias,
+        Judgement::Wrong,
+        Judgement::FalseAlarm,
+    ];
+
+    /// The heading of its column.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Judgement::Right => "right",
+            Judgement::Half => "one of two",
+            Judgement::Among => "among two",
+            Judgement::Refused => "refused",
+            Judgement::Alias => "an alias",
+            Judgement::Wrong => "wrong name",
+            Judgement::FalseAlarm => "false alarm",
+        }
+    }
+}
+
 /// A case judged.
 pub struct Judged {
     pub number: usize,
     pub truth: Truth,
-    pub verdict: &'static str,
+    pub verdict: String,
     /// Name and junction of what was named.
     pub named: Vec<(String, String)>,
     pub judgement: Judgement,
@@ -69,9 +97,9 @@ impl Judged {
         let effects = found.document(&problem)["effects"].as_array().cloned().unwrap_or_default();
         let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
         let named: Vec<_> = effects.iter().map(|own| (text(&own["name"]), text(&own["junction"]))).collect();
-        let judgement = judgement(&truth, &found, &named);
+        let judgement = judgement(&truth, &found, &named, library);
         Ok(Judged {
-            verdict: found.verdict.as_str(),
+            verdict: found.verdict.as_str().to_owned(),
             judgement,
             parameters: parameters(&truth, &effects),
             held_out: found.told().test.over_noise(),
@@ -131,7 +159,18 @@ impl Parameter {
     }
 }
 
-fn judgement(truth: &Truth, found: &Found, named: &[(String, String)]) -> Judgement {
+/// Whether some data cannot tell two effects apart.
+fn are_alike(library: &Library, one: &str, other: &str) -> bool {
+    let has = |name: &str, alias: &str| {
+        library.iter().any(|effect| effect.name == name && effect.aliases.contains_key(alias))
+    };
+    has(one, other) || has(other, one)
+}
+
+fn judgement(truth: &Truth, found: &Found, named: &[(String, String)], library: &Library) -> Judgement {
+    let is_like = |(name, _): &(String, String)| {
+        truth.effects.iter().any(|own| own.name == *name || are_alike(library, name, &own.name))
+    };
     let is_there = |(name, _): &(String, String)| truth.effects.iter().any(|own| own.name == *name);
     let is_named = |own: &Effect| named.iter().any(|(name, _)| own.name == *name);
     match found.verdict {
@@ -146,6 +185,7 @@ fn judgement(truth: &Truth, found: &Found, named: &[(String, String)]) -> Judgem
             Judgement::Right
         }
         Verdict::Named if named.iter().all(is_there) => Judgement::Half,
+        _ if named.iter().all(is_like) => Judgement::Alias,
         _ => Judgement::Wrong,
     }
 }
@@ -187,6 +227,21 @@ fn tried(problem: &Problem, found: &Found) -> String {
                 &train.point.knobs[round.before.train.point.knobs.len()..]
             );
         }
+    }
+    for own in &found.whereabouts {
+        let curves = own
+            .curves
+            .iter()
+            .map(|curve| format!("{} {:.3} held {:.3?}", curve.against, curve.explains, curve.held_out));
+        let _ = writeln!(
+            text,
+            "     at {} explains {:.3} evidence {:.1} best {} ({})",
+            own.junction,
+            own.explains,
+            own.evidence,
+            own.best_against(),
+            curves.collect::<Vec<_>>().join(", ")
+        );
     }
     let _ = write!(text, "     left {:.3}", found.left);
     text

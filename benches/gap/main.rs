@@ -3,18 +3,23 @@
 //!     cargo bench --bench gap                 the whole: 1000 cases, written to docs/hidden-effects.md
 //!     cargo bench --bench gap -- 60           the first 60
 //!     cargo bench --bench gap -- 41-90/7 -v   every seventh of some, each told with what was tried
+//!     cargo bench --bench gap -- 18,37        these
+//!     cargo bench --bench gap -- in=FILE      what is found is kept in a file as well, and what stands there is not sought again
 //!
 //! The cases are made by the program in benches/hidden, which a C compiler makes first.
 
 mod hidden;
+mod journal;
 mod judged;
 mod page;
 
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
 use hidden::Hidden;
+use journal::Journal;
 use judged::Judged;
 use patchcord::gap::effect::Library;
 
@@ -27,39 +32,45 @@ const CASES: usize = 1000;
 
 /// What is asked for.
 struct Asked {
-    first: usize,
-    last: usize,
-    every: usize,
+    numbers: Vec<usize>,
     seed: u64,
     verbose: bool,
+    journal: Option<PathBuf>,
 }
 
 fn asked() -> Outcome<Asked> {
-    let mut asked = Asked { first: 1, last: CASES, every: 1, seed: SEED, verbose: false };
+    let mut asked = Asked { numbers: Vec::new(), seed: SEED, verbose: false, journal: None };
     for word in std::env::args().skip(1).filter(|word| word != "--bench") {
-        match word.strip_prefix("seed=") {
-            Some(seed) => asked.seed = seed.parse()?,
-            None if word == "-v" => asked.verbose = true,
-            None => {
-                let (range, every) = word.split_once('/').unwrap_or((&word, "1"));
-                let (first, last) = range.split_once('-').unwrap_or(("1", range));
-                asked = Asked {
-                    first: first.parse()?,
-                    last: last.parse()?,
-                    every: every.parse::<usize>()?.max(1),
-                    ..asked
-                };
-            }
+        match word.split_once('=') {
+            Some(("seed", seed)) => asked.seed = seed.parse()?,
+            Some(("in", file)) => asked.journal = Some(file.into()),
+            _ if word == "-v" => asked.verbose = true,
+            _ => asked.numbers.extend(numbers(&word)?),
         }
+    }
+    if asked.numbers.is_empty() {
+        asked.numbers = (1..=CASES).collect();
     }
     Ok(asked)
 }
 
+/// So many from the first on, or from one to another, or every so manieth of them, or some by their numbers.
+fn numbers(word: &str) -> Outcome<Vec<usize>> {
+    if word.contains(',') {
+        return Ok(word.split(',').map(str::parse).collect::<Result<_, _>>()?);
+    }
+    let (range, every) = word.split_once('/').unwrap_or((word, "1"));
+    let (first, last) = range.split_once('-').unwrap_or(("1", range));
+    Ok((first.parse()?..=last.parse()?).step_by(every.parse::<usize>()?.max(1)).collect())
+}
+
 fn main() -> Outcome<()> {
     let asked = asked()?;
-    let hidden = Hidden::made(asked.seed, asked.last)?;
-    let library = Library::shipped();
-    let judged = all(&asked, &hidden, &library)?;
+    let hidden = Hidden::made(asked.seed, asked.numbers.iter().copied().max().unwrap_or_default())?;
+    let mut journal = Journal::read(asked.journal.as_deref(), &hidden)?;
+    search(&asked, &hidden, &mut journal)?;
+    let mut judged = journal.judged;
+    judged.sort_by_key(|one| one.number);
     let page = page::page(&judged);
     println!("{page}");
     if judged.len() == CASES && asked.seed == SEED {
@@ -68,19 +79,20 @@ fn main() -> Outcome<()> {
     Ok(())
 }
 
-/// Searches every case, one on each core, and takes them in their order.
-fn all(asked: &Asked, hidden: &Hidden, library: &Library) -> Outcome<Vec<Judged>> {
+/// Searches every case that the journal does not have, one on each core.
+fn search(asked: &Asked, hidden: &Hidden, journal: &mut Journal) -> Outcome<()> {
+    let library = Library::shipped();
     let cores = thread::available_parallelism().map_or(1, usize::from);
-    let next = AtomicUsize::new(asked.first);
+    let is_new = |number: &usize| journal.judged.iter().all(|one| one.number != *number);
+    let numbers: Vec<usize> = asked.numbers.iter().copied().filter(is_new).collect();
+    let next = AtomicUsize::new(0);
     let (tell, told) = mpsc::channel();
-    let mut judged: Vec<Judged> = Vec::new();
     thread::scope(|scope| {
         for _ in 0..cores {
-            let (tell, next) = (tell.clone(), &next);
+            let (tell, next, numbers, library) = (tell.clone(), &next, &numbers, &library);
             scope.spawn(move || {
-                loop {
-                    let number = next.fetch_add(asked.every, Ordering::Relaxed);
-                    if number > asked.last || tell.send(Judged::of(number, hidden, library)).is_err() {
+                while let Some(number) = numbers.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    if tell.send(Judged::of(*number, hidden, library)).is_err() {
                         return;
                     }
                 }
@@ -93,10 +105,8 @@ fn all(asked: &Asked, hidden: &Hidden, library: &Library) -> Outcome<Vec<Judged>
             if asked.verbose {
                 println!("{}", one.tried);
             }
-            judged.push(one);
+            journal.add(one)?;
         }
-        Ok::<_, Box<dyn std::error::Error + Send + Sync>>(())
-    })?;
-    judged.sort_by_key(|one| one.number);
-    Ok(judged)
+        Ok(())
+    })
 }

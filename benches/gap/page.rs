@@ -13,7 +13,9 @@ pub fn page(judged: &[Judged]) -> String {
     let mut text = format!(
         "# Hidden effects\n\n\
          What `patchcord gap` says of {} experiments in which an effect is hidden, or none. The data come from a program that shares no code with\n\
-         this one (`benches/hidden`), with other shapes of the same laws; the truth lies apart. `cargo bench --bench gap` makes them and writes this page.\n\n",
+         this one (`benches/hidden`), with other shapes of the same laws; the truth lies apart. `cargo bench --bench gap` makes them and writes this page.\n\n\
+         *Gap over noise* is the rms that the best refitted base leaves, over the standard deviation of the noise. *Among two*: the data cannot tell, and one of both is the truth. *An alias*: what is named is another effect, which\n\
+         some data cannot tell from the hidden one ([effects.md](effects.md) says which); *wrong name* are all others.\n\n",
         judged.len()
     );
     text += &shares(judged);
@@ -25,21 +27,15 @@ pub fn page(judged: &[Judged]) -> String {
 fn counted(judged: &[&Judged]) -> String {
     let count = |judgement| judged.iter().filter(|one| one.judgement == judgement).count();
     let all = judged.len();
-    let cells = [
-        Judgement::Right,
-        Judgement::Half,
-        Judgement::Among,
-        Judgement::Refused,
-        Judgement::Wrong,
-        Judgement::FalseAlarm,
-    ];
-    let cells: Vec<_> = cells.into_iter().map(|judgement| format!("{}", count(judgement))).collect();
+    let cells: Vec<_> = Judgement::ALL.into_iter().map(|judgement| format!("{}", count(judgement))).collect();
     format!("{all} | {}", cells.join(" | "))
 }
 
 fn shares(judged: &[Judged]) -> String {
-    let mut text = String::from(
-        "| hidden | gap over noise | cases | right | one of two | among two | refused | wrong name | false alarm |\n|---|---|---|---|---|---|---|---|---|\n",
+    let columns = Judgement::ALL.map(Judgement::as_str).join(" | ");
+    let mut text = format!(
+        "| hidden | gap over noise | cases | {columns} |\n|---|---|---{}|\n",
+        "|---".repeat(Judgement::ALL.len())
     );
     let kind = |one: &Judged| match one.truth.what.as_str() {
         "none" => "nothing",
@@ -100,7 +96,7 @@ fn measures(judged: &[Judged]) -> String {
 fn confusion(judged: &[Judged]) -> String {
     let mut rows: BTreeMap<&str, BTreeMap<String, usize>> = BTreeMap::new();
     for one in judged {
-        let said = match one.verdict {
+        let said = match one.verdict.as_str() {
             "named" | "ambiguous" => {
                 let names: Vec<_> = one.named.iter().map(|(name, _)| name.as_str()).collect();
                 names.join(if one.verdict == "named" { " + " } else { " or " })

@@ -223,7 +223,7 @@ static void leak(struct drawing *d) {
     double linear = d->system->family == TANKS ? share(d, 0.04, 0.4) / p->R1 : content / d->length * share(d, 0.1, 2);
     p->leaking = d->system->family == HEATER ? SHAPE(d, LINEAR) : SHAPE(d, LINEAR, ROOT);
     const char *unit = d->system->family == HEATER ? "W/K" : p->leaking == ROOT ? "m2.5/s" : "m2/s";
-    p->leak = noted(d, "g", unit, p->leaking == ROOT ? linear * sqrt(0.5 * top) : linear);
+    p->leak = noted(d, p->leaking == ROOT ? "c" : "g", unit, p->leaking == ROOT ? linear * sqrt(0.5 * top) : linear);
 }
 
 /* The upper tank holds no more than a height, or flows over a weir (Poleni 1717); a share of it falls into the lower one. */

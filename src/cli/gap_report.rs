@@ -15,6 +15,9 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
     let mut text = format!("{}: {}\n", experiment.file, outcome.sentence());
     text += &format!("\n{}", parameters(outcome.told()).text());
     text += &format!("\n{}", gaps(problem, outcome).text());
+    if !outcome.agreement.is_same {
+        text += &format!("\nbefore: {}\n", outcome.agreement.sentence());
+    }
     text += &place(&outcome.whereabouts);
     if matches!(outcome.verdict, Verdict::NothingMissing | Verdict::CannotJudge) {
         text += &limits(&outcome.limits);

@@ -131,6 +131,11 @@ impl Task<'_> {
         self.told(&self.reached(from)?.point)
     }
 
+    /// A point with its initial voltages found and its knobs left alone; nothing where the model cannot be run there.
+    pub(super) fn settled(&self, from: &Point) -> Option<Point> {
+        Task { turns: false, ..*self }.reached(from).map(|reached| reached.point)
+    }
+
     /// Where a fit comes to from a point on; nothing where the model cannot be run there.
     pub fn reached(&self, from: &Point) -> Option<Reached> {
         let mut at = self.shares(from);

@@ -298,8 +298,9 @@ impl<'a> Ground<'a> {
         let [train, test] = cleared.without(spans, [train.outputs, test.outputs]);
         let shown = product(&train, &train) / (self.noise() * need);
         let tracks: Vec<&[f64]> = self.test.tracks(&test).collect();
-        let confirmed = expected(&tracks, self.test.records.len(), self.noise()).ratio() / CONFIRMED;
-        shown.min(confirmed * confirmed)
+        let confirmed = expected(&tracks, self.test.records.len(), self.noise());
+        let apart = (confirmed.ratio() / CONFIRMED).powi(2);
+        shown.min(apart.max(confirmed.sum / (self.noise() * self.round.needed)))
     }
 }
 

@@ -69,6 +69,7 @@ impl Outcome {
                 "before": gaps(problem, &self.base),
                 "after": gaps(problem, self.told()),
             },
+            "other_starts": self.agreement.document(),
             "parameters": parameters(self.told()),
             "separate": self.separating.as_ref().map(Separating::document),
             "limits": self.limits.iter().map(Limit::document).collect::<Vec<_>>(),

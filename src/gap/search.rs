@@ -3,6 +3,7 @@
 
 use super::candidate::Candidate;
 use super::effect::Library;
+use super::fit::Fitted;
 use super::graft::Attached;
 use super::limits::{Blind, Limit};
 use super::model::ModelError;
@@ -11,6 +12,7 @@ use super::score::{Advantage, advantage};
 use super::separate::Separating;
 use super::site::Sites;
 use super::stage::{Asked, Effort, Problem, Stage};
+use super::starts::Agreement;
 use super::whereabouts::Whereabouts;
 use crate::circuit::Circuit;
 use crate::patch::Patch;
@@ -79,6 +81,10 @@ pub struct Round {
     pub tied: usize,
     /// Whether the best was taken.
     pub taken: bool,
+    /// Whether it was not, but may belong to what is missing beside something else.
+    pub promising: bool,
+    /// What a number that is fitted must gain, in squares.
+    price: f64,
 }
 
 /// What came of a search.
@@ -88,6 +94,8 @@ pub struct Outcome {
     pub verdict: Verdict,
     /// The patch as it was, fitted.
     pub base: Stage,
+    /// Whether fits from elsewhere come to the same.
+    pub agreement: Agreement,
     /// What was tried, one effect after the other.
     pub rounds: Vec<Round>,
     /// What was taken in the first of these rounds.
@@ -125,16 +133,32 @@ const MOST_BETTERED: usize = 3;
 const GROWN: usize = 6;
 /// So many trials are gone through with, those that a quick look finds best.
 const TRIED_FULLY: usize = 12;
+/// Trials that leave less than this times what the best leaves are looked after where they do not hold for the test.
+const NEAR: f64 = 1.5;
 /// How many effects are looked for at most.
 const MOST_EFFECTS: usize = 3;
 /// What is held back must be explained better by so many standard errors.
 pub(super) const CONFIRMED: f64 = 2.0;
+/// Where a trial leaves but noise, so much on what is held back at most, in squares, all that it gains there is its own doing.
+const NOISE: f64 = 1.2;
 /// A rival is behind if it lies so many standard errors behind,
 pub(super) const APART: f64 = 2.5;
 /// and by a score of so much.
 const APART_BY: f64 = 6.0;
 /// An effect beside others must close such a share of what they leave, in squares, or all of it that is no noise.
 const LEAST_CLOSED: f64 = 0.5;
+/// The score of an effect beside others must be so many times what that of a single one must be: the law of another may have a
+/// slightly other shape.
+const BESIDE: f64 = 2.0;
+/// An effect is gone on from although it is not confirmed if it is better on what is held back by so many standard errors, and
+/// more is missing: beside that it may be.
+const PROMISING: f64 = 1.0;
+/// What leaves structure, more than this share of the gap,
+const CLEAR: f64 = 0.1;
+/// and less than so many times as little as some other effect, in squares, explains in part what may be none of them:
+const STANDS_OUT: f64 = 3.0;
+/// it is not, if a force over what the patch does leaves less than this share of what it leaves, in squares.
+const CURVE: f64 = 0.5;
 /// Residuals further than this from white noise are not noise.
 const COLOURED: f64 = 4.0;
 /// So large a share of the gap may be left of an effect whose law has another shape than the library's.
@@ -155,7 +179,7 @@ impl Problem {
         progress(Progress::of(Part::Base));
         let Some(mut base) = self.base(patch, fit, with.seed)? else { return Ok(None) };
         let mut come = Come { rounds: Vec::new(), effects: Vec::new(), stage: base.clone() };
-        let mut bettered = 0;
+        let (mut bettered, mut before_promise) = (0, None);
         while come.rounds.len() < MOST_EFFECTS {
             let round = self.round(&come.stage, &come.effects, with, &mut progress)?;
             // A trial may have found what the patch alone could have been fitted to.
@@ -167,18 +191,24 @@ impl Problem {
                 bettered += 1;
                 continue;
             }
+            if round.promising && before_promise.is_none() {
+                before_promise = Some(come.and(&round));
+            }
             if !come.goes_on_with(round) || !self.is_structured(&come.stage) {
                 break;
             }
         }
-        let Come { rounds, effects, stage } = self.settled(&base, come, with, &mut progress)?;
+        let Come { rounds, effects, stage } = match before_promise {
+            None => self.settled(&base, come, true, with, &mut progress)?,
+            Some(before) => self.settled(&base, come, false, with, &mut progress)?.or(before),
+        };
         let left = self.gap(&stage) / self.gap(&base);
         let limits = match rounds.first() {
             Some(round) => self.limits(round, with.threads)?,
             None => Vec::new(),
         };
         let blind = self.is_blind(&base, &rounds, &limits);
-        let verdict = self.verdict(&stage, &rounds, left, blind);
+        let mut verdict = self.verdict(&stage, &rounds, left, blind);
         let whereabouts = match verdict {
             Verdict::NothingMissing | Verdict::CannotJudge => Vec::new(),
             _ => {
@@ -186,6 +216,10 @@ impl Problem {
                 self.whereabouts(&base, with.threads)?
             }
         };
+        let is_doubtful = verdict.has_names() && self.is_structured(&stage) && left > CLEAR;
+        if is_doubtful && !rounds[0].stands_out() && is_a_curve(&whereabouts, left) {
+            verdict = Verdict::UnknownEffect;
+        }
         let blind = blind.filter(|_| verdict == Verdict::CannotJudge);
         let separating = match verdict {
             Verdict::Ambiguous => self.separating(&rounds)?,
@@ -193,6 +227,7 @@ impl Problem {
         };
         Ok(Some(Outcome {
             verdict,
+            agreement: self.agreement(&base, with.seed)?,
             base,
             rounds,
             effects,
@@ -215,17 +250,18 @@ impl Problem {
         Ok(None)
     }
 
-    /// Looks at every effect again, beside all the others: another may be better now, or none be needed.
+    /// Looks at every effect again, beside all the others: another may be better now, or none be needed; at the last of them only
+    /// where the others, which stood when it was found, do not stand any more.
     fn settled(
         &self,
         base: &Stage,
         mut come: Come,
+        mut others_stand: bool,
         with: &Means<'_>,
         progress: &mut impl FnMut(Progress),
     ) -> Result<Come, ModelError> {
-        let (mut place, mut others_stand) = (0, true);
+        let mut place = 0;
         while come.effects.len() > 1 && place < come.effects.len() {
-            // The last was found beside the others.
             if others_stand && place + 1 == come.effects.len() {
                 break;
             }
@@ -354,8 +390,22 @@ impl Problem {
         if is_far && !self.is_cut {
             harder(GROWN, Effort::GROWING, Part::Growing);
         }
-        Ok(Round::of(stage, effects.is_empty(), tried.into_iter().flatten().collect()))
+        let tried: Vec<(Candidate, Stage)> = tried.into_iter().flatten().collect();
+        let best = tried.iter().map(|(_, stage)| stage.train.chi2).fold(f64::INFINITY, f64::min);
+        let looked_after = |(candidate, stage): &(Candidate, Stage)| {
+            let is_near = stage.train.chi2 < NEAR * best;
+            let again = is_near.then(|| self.found_again(stage).ok().flatten()).flatten();
+            (candidate.clone(), again.unwrap_or_else(|| stage.clone()))
+        };
+        let tried = pool::each(&tried, with.threads, looked_after, |_| ());
+        Ok(Round::of(stage, effects.is_empty(), tried))
     }
+}
+
+/// Whether a force over what the patch does explains far more than effects that leave such a share of the gap.
+fn is_a_curve(whereabouts: &[Whereabouts], left: f64) -> bool {
+    let best = whereabouts.first().and_then(|best| best.best.map(|place| &best.curves[place]));
+    best.is_some_and(|curve| 1.0 - curve.explains < CURVE * left * left)
 }
 
 /// The places of so many trials, those that left least first.
@@ -382,6 +432,7 @@ pub(super) fn unit<'s>(tried: impl Iterator<Item = &'s Stage>) -> (f64, f64) {
 }
 
 /// How far a search has come.
+#[derive(Clone)]
 struct Come {
     /// What was tried, one effect after the other.
     rounds: Vec<Round>,
@@ -392,9 +443,21 @@ struct Come {
 }
 
 impl Come {
-    /// Whether to go on with a round: it is one more, and its best is taken.
+    /// The same with a round that took nothing.
+    fn and(&self, round: &Round) -> Come {
+        let mut come = self.clone();
+        come.rounds.push(round.clone());
+        come
+    }
+
+    /// What came of a promise: what was there before, unless two effects or more hold together that one alone did not.
+    fn or(self, before: Come) -> Come {
+        if self.effects.len() > before.effects.len() + 1 { self } else { before }
+    }
+
+    /// Whether to go on with a round: it is one more, and its best is taken, or may be beside what is still missing.
     fn goes_on_with(&mut self, round: Round) -> bool {
-        let best = round.taken.then(|| round.trials[0].clone());
+        let best = (round.taken || round.promising).then(|| round.trials[0].clone());
         self.rounds.push(round);
         let is_taken = best.is_some();
         if let Some(best) = best {
@@ -434,7 +497,7 @@ impl Round {
             self.trials.iter().map(|trial| (trial.candidate.clone(), trial.stage.clone())).collect();
         tried.first_mut()?.1 = taken;
         let again = Round::of(&self.before, self.is_first, tried);
-        let best = again.taken.then(|| again.trials[0].clone())?;
+        let best = (again.taken || again.promising).then(|| again.trials[0].clone())?;
         *self = again;
         Some(best)
     }
@@ -469,6 +532,7 @@ impl Round {
         let mut trials: Vec<Trial> = tried.into_iter().map(trial).collect();
         trials.sort_by(|a, b| b.score.total_cmp(&a.score));
         let needed = 2.0 * (trials.len().max(1) as f64).ln() + 4.0;
+        let needed = if is_first { needed } else { BESIDE * needed };
         let mut round = Round {
             before: before.clone(),
             is_first,
@@ -477,6 +541,8 @@ impl Round {
             needed,
             tied: 0,
             taken: false,
+            promising: false,
+            price: unit.0 * unit.1 * (before.train.count as f64 / unit.1).ln(),
         };
         round.judge();
         round
@@ -494,8 +560,12 @@ impl Round {
         }
         let Some(best) = self.trials.first() else { return };
         self.confirmed = advantage(&self.before.test, &best.stage.test);
-        let is_evident = best.score > self.needed && self.confirmed.ratio() > CONFIRMED;
-        self.taken = is_evident && self.closes_enough();
+        let shows = best.score > self.needed && self.closes_enough();
+        let leaves_noise = best.stage.colour < COLOURED && best.stage.test.reduced() < NOISE;
+        let gains = leaves_noise && self.confirmed.sum > self.needed * best.stage.memory;
+        self.taken = shows && (self.confirmed.ratio() > CONFIRMED || gains);
+        let may_be = self.confirmed.ratio() > PROMISING && self.closed() > LEAST_CLOSED;
+        self.promising = shows && !self.taken && may_be && best.stage.colour > COLOURED;
         self.tied = 1 + self.trials.iter().skip(1).filter(|trial| self.is_tied(trial)).count();
     }
 
@@ -509,7 +579,17 @@ impl Round {
     }
 
     fn is_ahead(&self, trial: &Trial) -> bool {
-        trial.score > self.needed && trial.behind.ratio() < -APART
+        let numbers = |trial: &Trial| trial.stage.version.fit.len() as f64;
+        let price = self.price * (numbers(trial) - numbers(&self.trials[0]));
+        trial.score > self.needed && trial.behind.ratio() < -APART && -trial.behind.sum > price
+    }
+
+    /// Whether all other effects leave far more than the best.
+    fn stands_out(&self) -> bool {
+        let Some(best) = self.trials.first() else { return false };
+        let others = self.trials.iter().filter(|trial| trial.candidate.effect != best.candidate.effect);
+        let least = others.map(|trial| trial.stage.train.unexplained()).fold(f64::INFINITY, f64::min);
+        least > STANDS_OUT * best.stage.train.unexplained()
     }
 
     /// Whether the data cannot tell a trial from the best, which is of another effect.
@@ -519,9 +599,13 @@ impl Round {
         let is_simple = trial.stage.version.fit.len() <= best.stage.version.fit.len();
         let is_near = best.score - trial.score < APART_BY || is_simple;
         let is_near = is_near && trial.behind.ratio() < APART;
-        // What leaves structure where another leaves noise is no rival.
+        // What leaves structure where another leaves noise, or far less structure, is no rival.
         let is_noise = |trial: &Trial| trial.stage.colour < COLOURED;
-        let is_as_good = is_noise(trial) || !is_noise(best);
+        let leaves_far_more = |of: fn(&Stage) -> &Fitted| {
+            of(&trial.stage).unexplained() > STANDS_OUT * of(&best.stage).unexplained()
+        };
+        let is_far = leaves_far_more(|stage| &stage.train) && leaves_far_more(|stage| &stage.test);
+        let is_as_good = is_noise(trial) || !is_noise(best) && !is_far;
         trial.candidate.effect != best.candidate.effect && trial.score > self.needed && is_near && is_as_good
     }
 }

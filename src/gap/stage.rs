@@ -1,7 +1,5 @@
 //! A patch fitted to the training records and held against the others: where the search stands, and every attempt to go on.
 
-use chacha20::ChaCha8Rng;
-use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use serde_json::json;
 
 use super::candidate::Candidate;
@@ -13,6 +11,7 @@ use super::model::{Choice, Model, ModelError};
 use super::reach::Largest;
 use super::record::Record;
 use super::score::{colour, memory};
+use super::starts::scattered;
 use crate::circuit::Circuit;
 use crate::patch::{Edit, EditError, Patch, Unit};
 
@@ -119,7 +118,7 @@ pub struct Effort {
     /// through heats one after the other.
     heats: &'static [Heat],
     /// Whether all records are fitted, or a few of many; and held against the others from every point, or only looked at.
-    is_thorough: bool,
+    pub(super) is_thorough: bool,
 }
 
 /// A round of fits from several points, of which those that come furthest go on.
@@ -160,14 +159,26 @@ impl Effort {
         ],
         is_thorough: true,
     };
+    /// Where it is not known how a record begins: the beginning first.
+    pub(super) const FROM_ANYWHERE: Effort = Effort {
+        starts: 6,
+        heats: &[
+            Heat::new(4, 4, 0.1),
+            Heat::new(MOST_ROUNDS, 3, 0.35),
+            Heat::new(MOST_ROUNDS, 2, 0.65),
+            Heat::new(MOST_ROUNDS, 1, 1.0),
+        ],
+        is_thorough: true,
+    };
 }
 
 impl Effort {
     /// Where a task comes to from the best of several points.
-    fn best(self, task: &Task<'_>, starts: &Starts) -> Option<Point> {
+    pub(super) fn best(self, task: &Task<'_>, starts: &Starts) -> Option<Point> {
         let sure = starts.sure.iter().cloned();
         let begun = |point: Point| Reached { point, chi2: f64::INFINITY, has_ended: false };
-        let nearest = task.nearest(&starts.others, self.starts).cloned();
+        let first = Task { until: self.heats.first().map_or(1.0, |heat| heat.until), ..*task };
+        let nearest = first.nearest(&starts.others, self.starts).cloned();
         let mut ahead: Vec<Reached> = sure.chain(nearest).map(begun).collect();
         let mut seen = 1.0;
         for heat in self.heats {
@@ -199,11 +210,11 @@ pub struct Asked<'a> {
 
 /// Points from which fits begin.
 #[derive(Debug, Clone, Default)]
-struct Starts {
+pub(super) struct Starts {
     /// From each of them,
-    sure: Vec<Point>,
+    pub sure: Vec<Point>,
     /// and from some of these, those that are nearest to the data.
-    others: Vec<Point>,
+    pub others: Vec<Point>,
 }
 
 /// From where a stage is fitted.
@@ -234,9 +245,6 @@ const FAR: f64 = 5.0;
 
 /// A first look at many records takes so many samples of them.
 const GLANCED_AT: usize = 4000;
-/// So often the derivatives are worked out in a first look at what was held back.
-const FIRST_HELD: usize = 2;
-
 /// The solver may err by this share of the noise, rms.
 const FINE: f64 = 0.1;
 /// No sample takes more steps than this.
@@ -404,25 +412,6 @@ impl Problem {
         Point { initial: initial.collect(), ..point.clone() }
     }
 
-    /// The same knobs on the records that are held back: only initial voltages are found there, from where the patch stands and from
-    /// where another fit came to.
-    pub(super) fn held(
-        &self,
-        version: &Version,
-        at: &Point,
-        from: Option<&[Vec<f64>]>,
-        effort: Effort,
-    ) -> Result<Option<Fitted>, ModelError> {
-        let model = self.model(version, &self.test, &self.outputs)?;
-        let first = Point::of(&model, self.outputs.len());
-        let first = Point { knobs: at.knobs.clone(), offsets: at.offsets.clone(), ..first };
-        let before = from.map(|initial| Point { initial: filled(initial, &first.initial), ..first.clone() });
-        let (starts, most_rounds) = if effort.is_thorough { (2, MOST_ROUNDS) } else { (1, FIRST_HELD) };
-        let task = Task { most_rounds, ..self.task(&model, &self.test, false) };
-        let starts = before.into_iter().chain([first]).take(starts);
-        Ok(Fitted::best_of(starts.filter_map(|point| task.fit(&point))))
-    }
-
     /// The first stage: a patch as it is, fitted from where it stands and from points scattered over the ranges of what is fitted.
     ///
     /// # Errors
@@ -432,27 +421,26 @@ impl Problem {
             Version { patch: patch.clone(), fit: fit.to_vec(), free: Vec::new(), steps: self.steps };
         let model = self.model(&version, &self.train, &self.outputs)?;
         let first = Point::of(&model, self.outputs.len());
-        let settle = Task { turns: false, ..self.task(&model, &self.train, true) };
-        let scattered = scattered(&model, seed).into_iter().map(|knobs| Point { knobs, ..first.clone() });
-        let points: Vec<Point> = [first.clone()].into_iter().chain(scattered).collect();
-        let settled = points.iter().filter_map(|point| settle.fit(point)).map(|fitted| fitted.point);
+        let task = self.task(&model, &self.train, true);
+        let points = [first.clone()].into_iter().chain(scattered(&model, &first, seed));
+        let settled = points.filter_map(|point| task.settled(&point));
         let starts: Vec<Point> = settled.chain([first.clone()]).collect();
         let from = From::points(starts);
-        let Some(stage) = self.stage(version, from, f64::INFINITY)? else { return Ok(None) };
-        if self.is_cut || !stage.is_far() {
-            return Ok(Some(stage));
+        let Some(mut stage) = self.stage(version, from, f64::INFINITY)? else { return Ok(None) };
+        if !self.is_cut && stage.is_far() {
+            stage = self.over_pieces(stage)?;
         }
-        self.over_pieces(stage).map(Some)
+        let again = self.found_again(&stage)?;
+        Ok(Some(again.unwrap_or(stage)))
     }
 
     /// A stage whose gap is large, fitted from its pieces on, too.
     fn over_pieces(&self, stage: Stage) -> Result<Stage, ModelError> {
         let model = self.model(&stage.version, &self.pieces, &self.outputs)?;
         let first = Point { knobs: stage.train.point.knobs.clone(), ..Point::of(&model, self.outputs.len()) };
-        let settle = Task { turns: false, ..self.task(&model, &self.pieces, true) };
-        let Some(settled) = settle.fit(&first) else { return Ok(stage) };
+        let Some(settled) = self.task(&model, &self.pieces, true).settled(&first) else { return Ok(stage) };
         let from = From {
-            in_pieces: Some(Starts { sure: vec![settled.point], ..Starts::default() }),
+            in_pieces: Some(Starts { sure: vec![settled], ..Starts::default() }),
             held: Some(&stage.test.point.initial),
             ..From::points(vec![stage.train.point.clone()])
         };
@@ -578,16 +566,6 @@ pub struct Peaks {
 
 /// A fit whose sum of squares is below this share of another's has found what that did not.
 const BETTER: f64 = 0.99;
-/// So many points are scattered over the ranges.
-const SCATTERED: usize = 4;
-
-/// Values of the knobs over their ranges, by chance.
-fn scattered(model: &Model, seed: u64) -> Vec<Vec<f64>> {
-    let mut dice = ChaCha8Rng::seed_from_u64(seed);
-    let mut draw = || f64::from(dice.next_u32()) / f64::from(u32::MAX);
-    (0..SCATTERED).map(|_| model.knobs.iter().map(|knob| knob.at(0.1 + 0.8 * draw())).collect()).collect()
-}
-
 /// So many frequencies are tried of every output.
 const FREQUENCIES: usize = 3;
 
@@ -598,7 +576,7 @@ impl Peaks {
     }
 
     /// What the reaches of effects name at a place.
-    fn at(&self, place: &Place<'_>) -> Vec<Largest> {
+    pub fn at(&self, place: &Place<'_>) -> Vec<Largest> {
         let ends = |role: Role<'_>| match role {
             Role::Read(reading) => self.of(&reading.signal),
             // As fast as would cross its range in a twentieth of the record.
@@ -633,10 +611,4 @@ fn noise(record: &Record, output: usize) -> f64 {
 fn rms_difference(left: &[f64], right: &[f64]) -> f64 {
     let sum: f64 = left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum();
     (sum / left.len().max(1) as f64).sqrt()
-}
-
-/// Initial voltages of fewer states, with those of the rest behind them.
-fn filled(some: &[Vec<f64>], all: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let pairs = some.iter().zip(all);
-    pairs.map(|(some, all)| some.iter().chain(&all[some.len()..]).copied().collect()).collect()
 }

@@ -51,6 +51,21 @@ fn a_pump_at_its_limit_is_named() {
 }
 
 #[test]
+fn a_hole_in_a_tank_is_a_leak_by_the_root_of_its_level() {
+    named("hole", "c", "c");
+}
+
+/// A table that sticks where the patch begins, and moves where the record does: nothing tells a fit which way to go.
+#[test]
+fn a_record_that_begins_far_from_the_patch_is_found() {
+    let experiment = Experiment::read(Path::new("tests/gap/hidden/far/experiment.json"));
+    let experiment = experiment.unwrap_or_else(|error| panic!("{error}"));
+    let problem = Problem::of(&experiment).unwrap();
+    let base = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
+    assert!(base.test.over_noise() < 1.1, "{}", base.test.over_noise());
+}
+
+#[test]
 fn a_constant_inflow_is_named_at_its_tank() {
     named("bias", "b", "b");
 }
@@ -75,4 +90,5 @@ fn nothing_is_named_where_nothing_is_missing_whatever_the_threads() {
     assert_eq!(one.verdict, Verdict::NothingMissing);
     assert!(one.augmented(&experiment, "augmented.json").unwrap().is_none());
     assert_eq!(one.document(&problem), other.document(&problem));
+    assert!(one.agreement.is_same, "{}", one.agreement.sentence());
 }

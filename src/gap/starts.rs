@@ -1,0 +1,82 @@
+//! Points scattered over the ranges of what is fitted, from which fits begin, and whether they lead to the same.
+
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng as _, SeedableRng as _};
+use serde_json::{Value, json};
+
+use super::fit::Point;
+use super::model::{Model, ModelError};
+use super::stage::{Problem, Stage};
+use crate::instruments::number;
+
+/// So many points are scattered over the ranges.
+const SCATTERED: usize = 4;
+/// Two fits came to the same where their sums of squares differ by less than this,
+const SAME: f64 = 1.0;
+/// or by less than this share.
+const SAME_SHARE: f64 = 1e-3;
+
+/// A point for each of several draws by chance: knobs over their ranges, all else where the patch stands.
+pub(super) fn scattered(model: &Model, first: &Point, seed: u64) -> Vec<Point> {
+    let mut dice = ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = || f64::from(dice.next_u32()) / f64::from(u32::MAX);
+    let mut knobs = || model.knobs.iter().map(|knob| knob.at(0.1 + 0.8 * draw())).collect();
+    (0..SCATTERED).map(|_| Point { knobs: knobs(), ..first.clone() }).collect()
+}
+
+/// Whether fits of the patch from elsewhere come to the same: if not, there may be a better one that none has come to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Agreement {
+    /// From so many other points fits were gone through with, until one came to the same.
+    pub tried: usize,
+    /// What the best of them left, rms over the noise; infinite where none could be run.
+    pub left: f64,
+    /// Whether that is the same.
+    pub is_same: bool,
+}
+
+impl Problem {
+    /// Fits the patch of a stage from other points than those of its own seed, until one comes to the same or there are no more.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records.
+    pub(super) fn agreement(&self, stage: &Stage, seed: u64) -> Result<Agreement, ModelError> {
+        let records = if stage.in_pieces.is_some() { &self.pieces } else { &self.train };
+        let model = self.model(&stage.version, records, &self.outputs)?;
+        let first = Point::of(&model, self.outputs.len());
+        let task = self.task(&model, records, true);
+        let in_pieces = stage.in_pieces.as_ref().and_then(|point| task.told(point));
+        let best = in_pieces.as_ref().unwrap_or(&stage.train).chi2;
+        let mut agreement = Agreement { tried: 0, left: f64::INFINITY, is_same: false };
+        for point in scattered(&model, &first, seed.wrapping_add(1)) {
+            agreement.tried += 1;
+            let Some(fitted) = task.settled(&point).and_then(|point| task.fit(&point)) else { continue };
+            agreement.left = agreement.left.min(fitted.over_noise());
+            agreement.is_same = fitted.chi2 - best < SAME.max(SAME_SHARE * best);
+            if agreement.is_same {
+                break;
+            }
+        }
+        Ok(agreement)
+    }
+}
+
+impl Agreement {
+    /// The same in words.
+    pub fn sentence(&self) -> String {
+        let left = number(self.left);
+        match (self.is_same, self.tried) {
+            (true, 1) => "a fit from another point comes to the same".to_owned(),
+            (true, tried) => format!("of {tried} fits from other points one comes to the same"),
+            (false, tried) if self.left.is_finite() => format!(
+                "of {tried} fits from other points none comes to the same (the best leaves {left} times the noise): there may be better ones than this; narrower ranges help to find them"
+            ),
+            (false, tried) => format!("from none of {tried} other points the patch can be run"),
+        }
+    }
+
+    /// The same as a JSON document.
+    pub fn document(&self) -> Value {
+        json!({"same": self.is_same, "tried": self.tried, "left": self.left.is_finite().then_some(self.left)})
+    }
+}
