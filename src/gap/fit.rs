@@ -27,6 +27,8 @@ pub struct Task<'a> {
     pub most_rounds: usize,
     /// The share of every record that is looked at, from its beginning.
     pub until: f64,
+    /// A fit has ended when a round lowers the sum of squares by less than this share of it, or by less than matters.
+    pub settled: f64,
 }
 
 /// A point from which a fit begins, or at which it ends.
@@ -96,10 +98,10 @@ pub const MOST_ROUNDS: usize = 40;
 const MOST_TRIED: usize = 16;
 /// So often they are worked out before a fit may be given up.
 const FIRST_ROUNDS: usize = 4;
-/// A fit has ended when a round lowers the sum of squares by less than this,
+/// What does not matter: so much of the sum of squares, or, where more than noise is left, of what is left by a sample.
 const SETTLED: f64 = 0.01;
-/// or by less than this share of it.
-const SETTLED_SHARE: f64 = 1e-6;
+/// Where fits end unless a task says otherwise.
+pub const SETTLED_SHARE: f64 = 1e-6;
 /// By this share of its range a coordinate is moved for a derivative.
 const NUDGE: f64 = 1e-6;
 /// A coordinate that would change the squares by less than this, all its way, is left where it is.
@@ -151,12 +153,19 @@ impl Task<'_> {
             };
             let gain = chi2 - lower;
             (at, courses, chi2, damping) = (next, reached, lower, used / 3.0);
-            has_ended = gain < SETTLED.max(SETTLED_SHARE * chi2) || self.is_hopeless(chi2, gain, round);
+            has_ended = gain < self.negligible(chi2) || self.is_hopeless(chi2, gain, round);
             if has_ended {
                 break;
             }
         }
         Some(Reached { point: self.point(&at), chi2, has_ended })
+    }
+
+    /// By what a round must lower such a sum of squares to be worth another.
+    fn negligible(&self, chi2: f64) -> f64 {
+        let samples: usize = self.records.iter().map(Record::len).sum();
+        let each = chi2 / (samples * self.sigma.len()).max(1) as f64;
+        (SETTLED * each.max(1.0)).max(self.settled * chi2)
     }
 
     /// Whether a fit that goes on as in its last round will not come to what is wanted.

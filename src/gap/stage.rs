@@ -5,7 +5,7 @@ use serde_json::json;
 use super::candidate::Candidate;
 use super::examine::{examine, peaks};
 use super::experiment::{Experiment, Feed};
-use super::fit::{Fitted, MOST_ROUNDS, Point, Reached, Task};
+use super::fit::{Fitted, MOST_ROUNDS, Point, Reached, SETTLED_SHARE, Task};
 use super::graft::{Attached, Brought, Place, Role};
 use super::model::{Choice, Model, ModelError};
 use super::reach::Largest;
@@ -183,7 +183,8 @@ impl Effort {
         let mut seen = 1.0;
         for heat in self.heats {
             let wanted = if heat.until < 1.0 { f64::INFINITY } else { task.wanted };
-            let part = Task { until: heat.until, most_rounds: heat.rounds, wanted, ..*task };
+            let settled = if heat.until < 1.0 { NEARLY_SETTLED } else { task.settled };
+            let part = Task { until: heat.until, most_rounds: heat.rounds, wanted, settled, ..*task };
             let goes_on = |own: Reached| match own.has_ended && heat.until == seen {
                 true => Some(own),
                 false => part.reached(&own.point),
@@ -236,6 +237,8 @@ impl From<'_> {
     }
 }
 
+/// A fit to a part of the records has ended when a round lowers the sum of squares by less than this share.
+const NEARLY_SETTLED: f64 = 3e-4;
 /// Into so many pieces a record is cut,
 const PIECES: usize = 16;
 /// none of them shorter than so many samples.
@@ -328,6 +331,7 @@ impl Problem {
             wanted: f64::INFINITY,
             most_rounds: MOST_ROUNDS,
             until: 1.0,
+            settled: SETTLED_SHARE,
         }
     }
 
