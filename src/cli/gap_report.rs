@@ -74,21 +74,23 @@ fn limits(found: &[Limit]) -> String {
 }
 
 fn heading(place: usize, round: &Round) -> String {
-    let taken = if round.taken { "the first is taken" } else { "none is taken" };
-    let needed = number(round.needed);
-    let count = round.trials.len();
-    format!(
-        "round {place}: {count} effects and places tried; a score of {needed} is needed, and the test has to agree: {taken}"
-    )
+    format!("round {place}: {} effects and places tried. {}", round.trials.len(), round.sentence())
 }
 
+/// The best trials, every effect once at every place.
 fn trials(round: &Round) -> Table {
     let mut table = Table::new(["effect", "at", "score", "train", "test"]);
-    for trial in round.trials.iter().take(TOLD) {
+    let mut told: Vec<(&str, &str)> = Vec::new();
+    for trial in &round.trials {
+        let own = (trial.candidate.effect.as_str(), trial.candidate.junction.as_str());
+        if told.contains(&own) || told.len() == TOLD {
+            continue;
+        }
+        told.push(own);
         let (train, test) = (&trial.stage.train, &trial.stage.test);
         table.row([
-            trial.candidate.effect.clone(),
-            trial.candidate.junction.clone(),
+            own.0.to_owned(),
+            own.1.to_owned(),
             number(trial.score),
             number(train.over_noise()),
             number(test.over_noise()),

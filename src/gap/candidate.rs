@@ -19,8 +19,10 @@ pub struct Candidate {
     pub effect: String,
     /// The element that it acts on.
     pub junction: String,
-    /// Which of its forms it has.
+    /// Which of its forms it has,
     pub form: usize,
+    /// and what that is; empty where there is nothing to tell.
+    pub note: String,
     /// What it reads beside it, where there is a choice.
     pub reads: Vec<String>,
     /// The patch with it.
@@ -62,6 +64,7 @@ impl Candidate {
             effect: attached.effect.name.clone(),
             junction: attached.junction().to_owned(),
             form: attached.number(),
+            note: attached.form.note.clone(),
             reads: attached.reads(),
             graft,
             without: over_shapes(none.into_iter().collect(), MOST_SHAPES),

@@ -9,6 +9,7 @@ use super::search::{Outcome, Round, Trial, Verdict};
 use super::separate::Separating;
 use super::stage::{Problem, Stage};
 use super::whereabouts::Whereabouts;
+use crate::instruments::number;
 
 /// The standard errors on either side of a value between which it lies in 95 of 100 cases.
 pub(super) const TWO_SIDED_95: f64 = 1.96;
@@ -26,19 +27,30 @@ impl Outcome {
             let rivals = round.trials.iter().take(1).chain(round.rivals());
             rivals.map(Trial::named).collect::<Vec<_>>().join(" or ")
         };
-        let effects = taken.map(told).collect::<Vec<_>>().join(", and ");
+        let effects: Vec<String> = taken.map(told).collect();
+        let are = if effects.len() > 1 { "are" } else { "is" };
+        let effects = effects.join(", and ");
         match self.verdict {
-            Verdict::Named => format!("{effects} is missing"),
+            Verdict::Named => format!("{effects} {are} missing"),
             Verdict::Ambiguous => {
                 let would = self.separating.as_ref().map(|own| format!("; {}", own.sentence()));
-                format!("{effects} is missing: these data cannot tell{}", would.unwrap_or_default())
+                format!("{effects} {are} missing: these data cannot tell{}", would.unwrap_or_default())
             }
             Verdict::NothingMissing => {
                 let least = best_places(&self.limits).into_iter().find_map(Limit::sentence);
                 let least = least.map(|least| format!("; {least}")).unwrap_or_default();
                 format!("nothing is missing that these data would show{least}")
             }
-            Verdict::UnknownEffect => "something is missing that the library does not have".to_owned(),
+            Verdict::UnknownEffect => {
+                let unknown = "something is missing that the library does not have";
+                match effects.as_str() {
+                    "" => unknown.to_owned(),
+                    effects => format!(
+                        "{unknown}: with {effects} {} % of the gap would be left, which is no noise",
+                        number(100.0 * self.left)
+                    ),
+                }
+            }
             Verdict::CannotJudge => {
                 let why = self.blind.map_or_else(String::new, |why| format!(": {}", why.sentence()));
                 format!("these data cannot judge{why}")
@@ -79,6 +91,38 @@ impl Outcome {
 }
 
 impl Round {
+    /// What it came to, in words.
+    pub fn sentence(&self) -> String {
+        let Some(best) = self.trials.first() else { return "nothing fits".to_owned() };
+        let held = format!(
+            "on the data held back it lowers the sum of squares, in those of the noise, by {} ± {}",
+            number(self.confirmed.sum),
+            number(self.confirmed.error)
+        );
+        let score = format!("{} is the best, with a score of {}", best.named(), number(best.score));
+        match (self.taken, self.tied) {
+            (true, 1) => format!("{score}; {held}. It is taken."),
+            (true, 2) => {
+                format!("{score}; {held}. It is taken, although the data cannot tell it from another.")
+            }
+            (true, tied) => format!(
+                "{score}; {held}. It is taken, although the data cannot tell it from {} others.",
+                tied - 1
+            ),
+            (false, _) if best.score <= self.needed => {
+                format!(
+                    "{score}, which is less than the {} that so many trials ask for. None is taken.",
+                    number(self.needed)
+                )
+            }
+            (false, _) if !self.closes_enough() => format!(
+                "{score}; but it closes only {} % of what is left, and what it leaves is no noise. None is taken.",
+                number(100.0 * self.closed())
+            ),
+            (false, _) => format!("{score}; but {held}, which is no evidence. None is taken."),
+        }
+    }
+
     /// The trials that the data cannot tell from the best.
     pub fn rivals(&self) -> impl Iterator<Item = &Trial> {
         self.trials.iter().skip(1).filter(|trial| self.is_tied(trial)).take(1)
@@ -99,6 +143,7 @@ fn effect(candidate: &Candidate, stage: &Stage) -> Value {
         parameters.map(|(own, value, error)| (own.of.clone(), measured(value, error, &own.unit)));
     json!({
         "name": candidate.effect,
+        "form": candidate.note,
         "junction": candidate.junction,
         "reads": candidate.reads,
         "parameters": parameters.collect::<Map<_, _>>(),
@@ -126,6 +171,7 @@ fn rival(number: usize, round: &Round, trial: &Trial) -> Value {
     json!({
         "step": number,
         "name": trial.candidate.effect,
+        "form": trial.candidate.note,
         "junction": trial.candidate.junction,
         "reads": trial.candidate.reads,
         "score": trial.score,

@@ -13,7 +13,7 @@ pub(super) fn section(told: &Told<'_>, place: usize, round: &Round) -> Result<St
     Ok(format!(
         "<section>\n<h2>Round {place}: {count} effects and places tried</h2>\n<p class=\"reading\">{}</p>\n{}{}\
          <details open><summary>All of them; a score of {} is needed</summary>\n{}</details>\n</section>\n",
-        escaped(&judged(round, best)),
+        escaped(&round.sentence()),
         effect(told, best),
         told.pictures(&[("before", &round.before), (&best.named(), &best.stage)])?,
         number(round.needed),
@@ -36,6 +36,7 @@ fn trials(round: &Round) -> String {
             escaped(&trial.candidate.effect),
             escaped(&trial.candidate.junction),
             escaped(&trial.candidate.reads.join(", ")),
+            escaped(&trial.candidate.note),
             number(trial.score),
             bar((trial.stage.train.chi2 / most).sqrt()),
             over_noise(&trial.stage.train),
@@ -44,36 +45,9 @@ fn trials(round: &Round) -> String {
         ];
         (rank == 0, cells)
     });
-    let headings = ["effect", "at", "reads", "score", "gap that is left", "training", "held back", "why not"];
+    let headings =
+        ["effect", "at", "reads", "form", "score", "gap that is left", "training", "held back", "why not"];
     table(&headings, rows)
-}
-
-/// What a round came to.
-fn judged(round: &Round, best: &Trial) -> String {
-    let held = format!(
-        "on the data held back it lowers the sum of squares, in those of the noise, by {} ± {}",
-        number(round.confirmed.sum),
-        number(round.confirmed.error)
-    );
-    let score = format!("{} is the best, with a score of {}", best.named(), number(best.score));
-    match (round.taken, round.tied) {
-        (true, 1) => format!("{score}; {held}. It is taken."),
-        (true, tied) => format!(
-            "{score}; {held}. It is taken, although the data cannot tell it from {} others.",
-            tied - 1
-        ),
-        (false, _) if best.score <= round.needed => {
-            format!(
-                "{score}, which is less than the {} that so many trials ask for. None is taken.",
-                number(round.needed)
-            )
-        }
-        (false, _) if !round.closes_enough() => format!(
-            "{score}; but it closes only {} % of what is left, and what it leaves is no noise. None is taken.",
-            number(100.0 * round.closed())
-        ),
-        (false, _) => format!("{score}; but {held}, which is no evidence. None is taken."),
-    }
 }
 
 /// Why a trial is not the one.
