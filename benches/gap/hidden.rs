@@ -28,8 +28,33 @@ pub struct Truth {
 pub struct Effect {
     pub name: String,
     pub junction: String,
+    /// The shape of its law, where it may have several.
+    shape: String,
     /// Its parameters, in SI units.
     pub parameters: BTreeMap<String, f64>,
+}
+
+/// Shapes that the library's laws do not have.
+const SHAPES_OF_OTHERS: [&str; 11] = [
+    "Gaussian",
+    "Lorentzian",
+    "speed lagged over a distance",
+    "Dahl",
+    "LuGre",
+    "elastoplastic",
+    "logarithmic",
+    "tanh",
+    "restitution",
+    "saturating exponential",
+    "weir",
+];
+
+impl Truth {
+    /// Whether a hidden effect has the law that the library's has.
+    pub fn has_own_law(&self, effect: &str) -> bool {
+        let shape = self.effects.iter().find(|own| own.name == effect).map(|own| own.shape.as_str());
+        shape.is_some_and(|shape| !SHAPES_OF_OTHERS.contains(&shape))
+    }
 }
 
 impl Hidden {
@@ -74,6 +99,7 @@ fn effect(told: &Value) -> Effect {
     Effect {
         name: word(&told["name"]),
         junction: word(&told["junction"]),
+        shape: word(&told["shape"]),
         parameters: parameters.filter_map(|(name, own)| Some((name.clone(), in_si(own)?))).collect(),
     }
 }

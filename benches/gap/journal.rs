@@ -36,7 +36,8 @@ impl Journal {
 }
 
 fn line(one: &Judged) -> Value {
-    let parameters = one.parameters.iter().map(|own| json!([own.off, own.is_covered]));
+    let parameters =
+        one.parameters.iter().map(|own| json!([own.effect, own.name, own.wanted, own.found, own.interval]));
     json!({
         "number": one.number,
         "verdict": one.verdict,
@@ -61,8 +62,14 @@ fn judged(line: &Value, hidden: &Hidden) -> Outcome<Judged> {
         judgement: judgement.ok_or("a line of the journal has no judgement")?,
         parameters: list("parameters")
             .map(|own| Parameter {
-                off: own[0].as_f64().unwrap_or(f64::INFINITY),
-                is_covered: own[1] == true,
+                effect: word(&own[0]),
+                name: word(&own[1]),
+                wanted: own[2].as_f64().unwrap_or(f64::NAN),
+                found: own[3].as_f64().unwrap_or(f64::NAN),
+                interval: [
+                    own[4][0].as_f64().unwrap_or(f64::NEG_INFINITY),
+                    own[4][1].as_f64().unwrap_or(f64::INFINITY),
+                ],
             })
             .collect(),
         held_out: line["held_out"].as_f64().unwrap_or(f64::INFINITY),

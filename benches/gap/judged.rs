@@ -76,12 +76,16 @@ pub struct Judged {
     pub tried: String,
 }
 
-/// A fitted parameter beside the true one.
+/// A fitted parameter beside the true one, in SI units.
 pub struct Parameter {
-    /// Of the difference, the share of the true value.
-    pub off: f64,
-    /// Whether its interval holds the true value.
-    pub is_covered: bool,
+    /// Of which effect,
+    pub effect: String,
+    /// and which of its parameters it is.
+    pub name: String,
+    pub wanted: f64,
+    pub found: f64,
+    /// In which it lies, as the search says, in 95 of 100 cases.
+    pub interval: [f64; 2],
 }
 
 impl Judged {
@@ -123,7 +127,7 @@ impl Judged {
     /// The case in a line.
     pub fn line(&self) -> String {
         let named: Vec<_> = self.named.iter().map(|(name, at)| format!("{name}@{at}")).collect();
-        let most_off = self.parameters.iter().map(|own| own.off).fold(0.0, f64::max);
+        let most_off = self.parameters.iter().map(Parameter::off).fold(0.0, f64::max);
         format!(
             "{:04} {:<44} {:7.2}  {:<15} {:<44} {:?} held {:.3} off {:.3} {:.1} s",
             self.number,
@@ -142,20 +146,36 @@ impl Judged {
 fn parameters(truth: &Truth, effects: &[Value]) -> Vec<Parameter> {
     let pairs = truth.effects.iter().flat_map(|own| {
         let named = effects.iter().find(|effect| effect["name"] == own.name.as_str());
-        own.parameters.iter().filter_map(move |(name, wanted)| Some((&named?["parameters"][name], *wanted)))
+        let wanted = own.parameters.iter().filter(|(_, wanted)| **wanted != 0.0);
+        wanted.filter_map(move |(name, wanted)| {
+            Parameter::of(&own.name, name, *wanted, &named?["parameters"][name])
+        })
     });
-    let pairs = pairs.filter(|(_, wanted)| *wanted != 0.0);
-    pairs.filter_map(|(told, wanted)| Parameter::of(told, wanted)).collect()
+    pairs.collect()
 }
 
 impl Parameter {
     /// `told` as the report has it, the true value in SI.
-    fn of(told: &Value, wanted: f64) -> Option<Parameter> {
+    fn of(effect: &str, name: &str, wanted: f64, told: &Value) -> Option<Parameter> {
         let unit = Unit::parse(told["unit"].as_str()?).ok()?;
         let end = |place: usize| told["interval"][place].as_f64().map(|end| unit.to_si(end));
-        let (low, high) = (end(0).unwrap_or(f64::NEG_INFINITY), end(1).unwrap_or(f64::INFINITY));
-        let off = (in_si(told)? - wanted).abs() / wanted.abs();
-        Some(Parameter { off, is_covered: (low..=high).contains(&wanted) })
+        Some(Parameter {
+            effect: effect.to_owned(),
+            name: name.to_owned(),
+            wanted,
+            found: in_si(told)?,
+            interval: [end(0).unwrap_or(f64::NEG_INFINITY), end(1).unwrap_or(f64::INFINITY)],
+        })
+    }
+
+    /// Of the difference, the share of the true value.
+    pub fn off(&self) -> f64 {
+        (self.found - self.wanted).abs() / self.wanted.abs()
+    }
+
+    /// Whether its interval holds the true value.
+    pub fn is_covered(&self) -> bool {
+        (self.interval[0]..=self.interval[1]).contains(&self.wanted)
     }
 }
 

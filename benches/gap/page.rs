@@ -7,7 +7,9 @@ use crate::judged::{Judged, Judgement, Parameter};
 
 /// What is told of cases whose gap is so large against the noise.
 const BANDS: [(&str, f64, f64); 3] =
-    [("0.3 ... 1", 0.0, 1.0), ("1 ... 3", 1.0, 3.0), ("above 3", 3.0, f64::INFINITY)];
+    [("0.3 ... 1", 0.0, 1.0), ("1 ... 3", 1.0, LARGE), ("above 3", LARGE, f64::INFINITY)];
+/// From here on parameters are looked at.
+const LARGE: f64 = 3.0;
 
 pub fn page(judged: &[Judged]) -> String {
     let mut text = format!(
@@ -18,8 +20,10 @@ pub fn page(judged: &[Judged]) -> String {
          some data cannot tell from the hidden one ([effects.md](effects.md) says which); *wrong name* are all others.\n\n",
         judged.len()
     );
-    text += &shares(judged);
     text += &measures(judged);
+    text += "\n## What was said, by what is hidden\n\n";
+    text += &shares(judged);
+    text += "\n## What was said of every effect\n\n";
     text += &confusion(judged);
     text
 }
@@ -37,15 +41,9 @@ fn shares(judged: &[Judged]) -> String {
         "| hidden | gap over noise | cases | {columns} |\n|---|---|---{}|\n",
         "|---".repeat(Judgement::ALL.len())
     );
-    let kind = |one: &Judged| match one.truth.what.as_str() {
-        "none" => "nothing",
-        what if what.starts_with("unknown") => "an effect that the library does not have",
-        what if what.contains('+') => "two effects",
-        _ => "an effect",
-    };
-    for wanted in ["nothing", "an effect", "two effects", "an effect that the library does not have"] {
+    for wanted in [NOTHING, ONE, TWO, UNKNOWN] {
         let own: Vec<&Judged> = judged.iter().filter(|one| kind(one) == wanted).collect();
-        if wanted == "nothing" {
+        if wanted == NOTHING {
             let _ = writeln!(text, "| {wanted} | | {} |", counted(&own));
             continue;
         }
@@ -58,38 +56,96 @@ fn shares(judged: &[Judged]) -> String {
     text
 }
 
-/// How good what is rightly named is, and what it cost.
+const NOTHING: &str = "nothing";
+const ONE: &str = "an effect";
+const TWO: &str = "two effects";
+const UNKNOWN: &str = "an effect that the library does not have";
+
+/// What is hidden in a case.
+fn kind(one: &Judged) -> &'static str {
+    match one.truth.what.as_str() {
+        "none" => NOTHING,
+        what if what.starts_with("unknown") => UNKNOWN,
+        what if what.contains('+') => TWO,
+        _ => ONE,
+    }
+}
+
+/// How often what is said is right, how good what is rightly named is, and what it cost.
 fn measures(judged: &[Judged]) -> String {
-    let of = |is: &dyn Fn(&&Judged) -> bool| judged.iter().filter(|one| is(one)).count();
-    let placed = judged.iter().filter_map(Judged::is_in_place);
-    let (placed, in_place) = placed.fold((0, 0), |(all, own), is| (all + 1, own + usize::from(is)));
-    let large = |one: &&Judged| one.truth.egnr > 3.0 && one.judgement == Judgement::Right;
-    let parameters: Vec<&Parameter> = judged.iter().filter(large).flat_map(|one| &one.parameters).collect();
-    let near = |within: f64| parameters.iter().filter(|own| own.off <= within).count();
-    let covered = parameters.iter().filter(|own| own.is_covered).count();
-    let named = |one: &&Judged| one.judgement == Judgement::Right && !one.named.is_empty();
-    let clean = |within: f64| of(&|one| named(one) && one.held_out <= within);
+    let mut rows = names(judged);
+    let right = |one: &&Judged| one.judgement == Judgement::Right && !one.named.is_empty();
+    let named = judged.iter().filter(right);
+    let place = share(judged.iter().filter_map(Judged::is_in_place), |is| *is);
+    rows.push(("named at the right place".to_owned(), place));
+    rows.extend(parameters(named.clone().filter(|one| one.truth.egnr > LARGE)));
+    for (within, most) in [("10 %", 1.1), ("5 %", 1.05)] {
+        let what = format!("data held back, after naming: within {within} of the noise");
+        rows.push((what, share(named.clone(), |one| one.held_out <= most)));
+    }
+    rows.push(("time for a case".to_owned(), times(judged)));
+    let rows: String = rows.iter().map(|(what, told)| format!("| {what} | {told} |\n")).collect();
+    format!("| measure | |\n|---|---|\n{rows}")
+}
+
+fn names(judged: &[Judged]) -> Vec<(String, String)> {
+    use Judgement::{Alias, Among, FalseAlarm, Right, Wrong};
+    let of = |kinds: &'static [&str]| judged.iter().filter(|one| kinds.contains(&kind(one)));
+    let is = |wanted: &'static [Judgement]| move |one: &&Judged| wanted.contains(&one.judgement);
+    let mut rows = Vec::new();
+    for (band, low, high) in BANDS.into_iter().rev() {
+        let those = of(&[ONE]).filter(|one| (low..high).contains(&one.truth.egnr));
+        rows.push((format!("right name, gap over noise {band}"), share(those.clone(), is(&[Right]))));
+        rows.push((format!("the same, or the truth among two, {band}"), share(those, is(&[Right, Among]))));
+    }
+    let pairs = of(&[TWO]).filter(|one| one.truth.egnr > LARGE);
+    let others = [
+        ("both of a pair named, gap over noise above 3", share(pairs, is(&[Right]))),
+        ("wrong name, aliases merged", share(of(&[ONE, TWO]), is(&[Wrong]))),
+        ("wrong name, aliases not merged", share(of(&[ONE, TWO]), is(&[Wrong, Alias]))),
+        ("false alarm when nothing is missing", share(of(&[NOTHING]), is(&[FalseAlarm]))),
+        ("unknown effect called by a library name", share(of(&[UNKNOWN]), is(&[Wrong]))),
+    ];
+    rows.extend(others.map(|(what, told)| (what.to_owned(), told)));
+    rows
+}
+
+/// How near the parameters of what was rightly named come to the true ones.
+fn parameters<'j>(named: impl Iterator<Item = &'j Judged>) -> Vec<(String, String)> {
+    let own_law = |one: &'j Judged, own: &'j Parameter| (own, one.truth.has_own_law(&own.effect));
+    let all: Vec<_> = named.flat_map(|one| one.parameters.iter().map(move |own| own_law(one, own))).collect();
+    let those = |has: bool| all.iter().filter(move |(_, is)| *is == has).map(|(own, _)| *own);
+    let mut off: Vec<f64> = all.iter().map(|(own, _)| own.off()).collect();
+    off.sort_by(f64::total_cmp);
+    let near = share(off.iter(), |off| **off <= 0.1);
+    let off = format!("{:.1} % off (median of {}), within 10 % in {near}", 100.0 * median(&off), off.len());
+    let mut rows = vec![("parameter of the named effect, gap over noise above 3".to_owned(), off)];
+    let laws = [("the library's law is hidden", true), ("its law is hidden in another shape", false)];
+    for (whose, has) in laws {
+        let told = [
+            ("within 10 %", share(those(has), |own| own.off() <= 0.1)),
+            ("within 3 %", share(those(has), |own| own.off() <= 0.03)),
+            ("the true value in the interval of 95 %", share(those(has), |own| own.is_covered())),
+        ];
+        rows.extend(told.map(|(how, told)| (format!("the same where {whose}: {how}"), told)));
+    }
+    rows
+}
+
+fn share<T>(all: impl Iterator<Item = T>, is: impl Fn(&T) -> bool) -> String {
+    let (count, own) = all.fold((0, 0), |(all, own), one| (all + 1, own + usize::from(is(&one))));
+    format!("{:.1} % ({own} of {count})", 100.0 * own as f64 / f64::from(count.max(1)))
+}
+
+fn times(judged: &[Judged]) -> String {
     let mut times: Vec<f64> = judged.iter().map(|one| one.seconds).collect();
     times.sort_by(f64::total_cmp);
-    let median = times.get(times.len() / 2).copied().unwrap_or_default();
-    let longest = times.last().copied().unwrap_or_default();
-    let rows = [
-        ("named at the right place", format!("{in_place} of {placed}")),
-        (
-            "parameters of what is rightly named, gap over noise above 3: within 10 %",
-            format!("{} of {}", near(0.1), parameters.len()),
-        ),
-        ("within 3 %", format!("{} of {}", near(0.03), parameters.len())),
-        ("the true value in the interval of 95 %", format!("{covered} of {}", parameters.len())),
-        (
-            "data held back, after naming: within 10 % of the noise",
-            format!("{} of {}", clean(1.1), of(&named)),
-        ),
-        ("within 5 %", format!("{} of {}", clean(1.05), of(&named))),
-        ("time of a search on one core, median and longest", format!("{median:.1} s, {longest:.0} s")),
-    ];
-    let rows: String = rows.iter().map(|(what, told)| format!("| {what} | {told} |\n")).collect();
-    format!("\n| measure | |\n|---|---|\n{rows}")
+    format!("{:.1} s (median), {:.0} s at most", median(&times), times.last().copied().unwrap_or_default())
+}
+
+/// The middle of numbers in order.
+fn median(sorted: &[f64]) -> f64 {
+    sorted.get(sorted.len() / 2).copied().unwrap_or_default()
 }
 
 /// What was said of every single effect.
@@ -105,7 +161,7 @@ fn confusion(judged: &[Judged]) -> String {
         };
         *rows.entry(one.truth.what.as_str()).or_default().entry(said).or_default() += 1;
     }
-    let mut text = String::from("\n| hidden | cases | what was said |\n|---|---|---|\n");
+    let mut text = String::from("| hidden | cases | what was said |\n|---|---|---|\n");
     for (truth, said) in rows {
         let mut said: Vec<_> = said.into_iter().collect();
         said.sort_by_key(|(_, count)| std::cmp::Reverse(*count));

@@ -20,6 +20,13 @@ const FOLDER: &str = "patches/measured";
 const PAGE: &str = "docs/measured.md";
 /// What stands on the page behind this comes from here.
 const HEADING: &str = "## What the search says of them\n";
+const INTRO: &str = "
+From `cargo bench --bench measured`. Of a slide it tells the error in velocity, of the tanks the rms of what is left: of the
+data it was fitted to, and of the test.
+
+| experiment | what is said | as fitted | before | after | time |
+|---|---|---|---|---|---|
+";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let chosen: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
@@ -90,13 +97,7 @@ fn told(experiment: &Experiment, problem: &Problem, stage: &Stage) -> String {
 
 fn write(rows: &[String]) -> Result<(), Box<dyn Error>> {
     let text = fs::read_to_string(PAGE)?;
-    let (before, after) = text.split_once(HEADING).ok_or(format!("{PAGE} has no heading {HEADING}"))?;
-    let (intro, _) = after.split_once("\n| experiment").ok_or(format!("{PAGE} has no table"))?;
-    let head =
-        "\n| experiment | what is said | as fitted | before | after | time |\n|---|---|---|---|---|---|\n";
-    output::write_whole(
-        Path::new(PAGE),
-        format!("{before}{HEADING}{intro}{head}{}\n", rows.join("\n")).as_bytes(),
-    )?;
-    Ok(())
+    let before = text.split_once(HEADING).map_or(text.as_str(), |(before, _)| before).trim_end();
+    let page = format!("{before}\n\n{HEADING}{INTRO}{}\n", rows.join("\n"));
+    Ok(output::write_whole(Path::new(PAGE), page.as_bytes())?)
 }

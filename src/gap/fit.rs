@@ -3,9 +3,10 @@
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::model::{Choice, Course, Knob, Model};
+use super::normal::{Column, Normal, Spread, product};
 use super::record::Record;
 
 /// What is fitted to what.
@@ -55,8 +56,10 @@ pub struct Fitted {
     pub count: usize,
     /// How many numbers were fitted.
     pub free: usize,
-    /// Standard errors of the knobs, in declared units; infinite where the data do not tell.
+    /// Standard errors of the knobs were the noise white, in declared units; infinite where the data do not tell.
     pub errors: Vec<f64>,
+    /// The same by how much blocks of the records disagree, whatever the noise is like.
+    pub by_blocks: Vec<f64>,
 }
 
 /// Where a fit has come to.
@@ -106,8 +109,8 @@ pub const SETTLED_SHARE: f64 = 1e-6;
 const NUDGE: f64 = 1e-6;
 /// A coordinate that would change the squares by less than this, all its way, is left where it is.
 const LEAST_FELT: f64 = 1.0;
-/// Eigenvalues of the normal matrix below this share of the largest tell of nothing.
-const LEAST_TOLD: f64 = 1e-12;
+/// Into so many blocks the records are cut, together, that may disagree about what is fitted.
+const BLOCKS: usize = 20;
 
 impl Point {
     /// Where the patch stands.
@@ -119,12 +122,6 @@ impl Point {
             offsets: vec![0.0; offsets],
         }
     }
-}
-
-/// What the derivatives come to: the normal matrix and the gradient, in coordinates.
-struct Normal {
-    matrix: DMatrix<f64>,
-    gradient: DVector<f64>,
 }
 
 impl Task<'_> {
@@ -301,30 +298,29 @@ impl Task<'_> {
 
     /// The derivatives of every residual, gathered into normal matrix and gradient.
     fn normal(&self, at: &DVector<f64>, courses: &[Course]) -> Normal {
-        let mut normal =
-            Normal { matrix: DMatrix::zeros(at.len(), at.len()), gradient: DVector::zeros(at.len()) };
-        for (record, course) in courses.iter().enumerate() {
-            for (output, columns) in self.responses(at, record, course).iter().enumerate() {
-                normal.add(columns, &self.residual(at, record, output, course));
-            }
-        }
+        let mut normal = Normal::empty(at.len());
+        self.gather(at, courses, |columns, residual| normal.add(columns, residual));
         normal
     }
 
+    /// Tells of the derivatives of the residuals of every record and output, each behind its coordinate, and of these residuals.
+    fn gather(&self, at: &DVector<f64>, courses: &[Course], mut tell: impl FnMut(&[Column], &[f64])) {
+        for (record, course) in courses.iter().enumerate() {
+            for (output, columns) in self.responses(at, record, course).iter().enumerate() {
+                tell(columns, &self.residual(at, record, output, course));
+            }
+        }
+    }
+
     /// Of every output of a record the derivatives of its residuals, each behind the coordinate that is moved.
-    pub(super) fn responses(
-        &self,
-        at: &DVector<f64>,
-        record: usize,
-        course: &Course,
-    ) -> Vec<Vec<(usize, Vec<f64>)>> {
+    pub(super) fn responses(&self, at: &DVector<f64>, record: usize, course: &Course) -> Vec<Vec<Column>> {
         let moved: Vec<usize> = (0..self.turned()).chain(self.states_of(record)).collect();
         let nudges: Vec<f64> = moved.iter().map(|index| self.nudge(at, *index)).collect();
         let choices =
             moved.iter().zip(&nudges).map(|(index, nudge)| self.choice(&nudged(at, *index, *nudge), record));
         let beside = self.model.run(record, &choices.collect::<Vec<_>>());
         let of_output = |output: usize| {
-            let mut columns: Vec<(usize, Vec<f64>)> = Vec::new();
+            let mut columns: Vec<Column> = Vec::new();
             for ((index, nudge), other) in moved.iter().zip(&nudges).zip(&beside) {
                 // Where a neighbour cannot be run, that coordinate stays.
                 let Some(other) = other else { continue };
@@ -402,86 +398,54 @@ impl Task<'_> {
         }
     }
 
+    /// How every block of residuals pulls at the coordinates: its gradient.
+    fn pulls(&self, columns: &[Column], residual: &[f64], count: usize) -> Vec<DVector<f64>> {
+        let length = residual.len().div_ceil(BLOCKS.div_ceil(self.records.len())).max(1);
+        let pull = |(place, part): (usize, &[f64])| {
+            let mut pull = DVector::zeros(count);
+            for (index, column) in columns {
+                pull[*index] = product(&column[place * length..], part, part);
+            }
+            pull
+        };
+        residual.chunks(length).enumerate().map(pull).collect()
+    }
+
+    /// Errors of the knobs, in declared units, from those of all coordinates.
+    fn of_knobs(&self, point: &Point, errors: Vec<f64>) -> Vec<f64> {
+        let knobs = self.model.knobs.iter().zip(&point.knobs);
+        let scaled = knobs.zip(errors).map(|((knob, value), error)| error * knob.slope(*value));
+        scaled.collect()
+    }
+
     /// What is to be told of a point that was fitted; nothing where the model cannot be run there.
     pub fn told(&self, point: &Point) -> Option<Fitted> {
         let at = self.shares(point);
         let courses = self.courses(std::slice::from_ref(&at)).pop()??;
-        let (chi2, normal) = (self.chi2(&at, &courses), self.normal(&at, &courses));
+        let chi2 = self.chi2(&at, &courses);
+        let (mut normal, mut pulls) = (Normal::empty(at.len()), Vec::new());
+        self.gather(&at, &courses, |columns, residual| {
+            normal.add(columns, residual);
+            pulls.extend(self.pulls(columns, residual, at.len()));
+        });
         let residuals = courses.iter().enumerate().map(|(record, course)| {
             (0..self.sigma.len()).map(|output| self.residual(&at, record, output, course)).collect::<Vec<_>>()
         });
         let residuals: Vec<Vec<Vec<f64>>> = residuals.collect();
         let count = residuals.iter().flatten().flatten().filter(|value| !value.is_nan()).count();
         let free: Vec<usize> = (0..at.len()).filter(|index| self.is_free(*index)).collect();
-        let spread = normal.spread(&free);
-        let error = |(index, knob): (usize, &Knob)| {
-            let place = free.iter().position(|own| *own == index);
-            place.map_or(0.0, |place| spread[place] * knob.slope(point.knobs[index]))
-        };
-        let errors = self.model.knobs.iter().enumerate().map(|(index, knob)| error((index, knob))).collect();
-        Some(Fitted { point: point.clone(), chi2, residuals, count, free: free.len(), errors })
-    }
-}
-
-impl Normal {
-    fn add(&mut self, columns: &[(usize, Vec<f64>)], residual: &[f64]) {
-        for (place, (index, column)) in columns.iter().enumerate() {
-            self.gradient[*index] += product(column, residual, residual);
-            for (other, beside) in &columns[..=place] {
-                let sum = product(column, beside, residual);
-                self.matrix[(*index, *other)] += sum;
-                if index != other {
-                    self.matrix[(*other, *index)] += sum;
-                }
-            }
-        }
-    }
-
-    /// The damped step of these coordinates.
-    fn solved(&self, free: &[usize], damping: f64) -> DVector<f64> {
-        let count = free.len();
-        // In units in which every coordinate tells as much.
-        let units: Vec<f64> = free.iter().map(|index| 1.0 / self.matrix[(*index, *index)].sqrt()).collect();
-        let mut matrix = DMatrix::from_fn(count, count, |row, column| {
-            self.matrix[(free[row], free[column])] * units[row] * units[column]
-        });
-        (0..count).for_each(|place| matrix[(place, place)] += damping + LEAST_TOLD);
-        let gradient = DVector::from_fn(count, |row, _| -self.gradient[free[row]] * units[row]);
-        let solved = matrix.cholesky().map(|cholesky| cholesky.solve(&gradient));
-        let solved = solved.unwrap_or_else(|| gradient * (1.0 / (1.0 + damping)));
-        DVector::from_fn(count, |row, _| solved[row] * units[row])
-    }
-
-    /// Standard errors of these coordinates; infinite where the data do not tell.
-    fn spread(&self, free: &[usize]) -> Vec<f64> {
-        let told: Vec<usize> =
-            free.iter().copied().filter(|index| self.matrix[(*index, *index)] > 0.0).collect();
-        let units: Vec<f64> = told.iter().map(|index| 1.0 / self.matrix[(*index, *index)].sqrt()).collect();
-        let count = told.len();
-        let matrix = DMatrix::from_fn(count, count, |row, column| {
-            self.matrix[(told[row], told[column])] * units[row] * units[column]
-        });
-        let eigen = matrix.symmetric_eigen();
-        let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
-        let spread = |place: usize| {
-            let shares = (0..count).map(|own| {
-                let (weight, value) = (eigen.eigenvectors[(place, own)], eigen.eigenvalues[own]);
-                if value > LEAST_TOLD * largest {
-                    weight * weight / value
-                } else {
-                    weight * weight / (LEAST_TOLD * largest)
-                }
-            });
-            shares.sum::<f64>().sqrt() * units[place]
-        };
-        let place = |index: &usize| told.iter().position(|own| own == index);
-        free.iter().map(|index| place(index).map_or(f64::INFINITY, spread)).collect()
+        let spread = Spread::of(&normal, &free);
+        // A block is bent by its own record's initial voltages, not by those of others.
+        let bent = free.len() - (self.records.len() - 1) * self.model.initial.len();
+        let errors = self.of_knobs(point, spread.errors());
+        let by_blocks = self.of_knobs(point, spread.errors_by(&pulls, bent));
+        Some(Fitted { point: point.clone(), chi2, residuals, count, free: free.len(), errors, by_blocks })
     }
 }
 
 /// What a coordinate does to all outputs, one behind the other, by their responses to all that may be moved.
-pub(super) fn stacked(responses: &[Vec<(usize, Vec<f64>)>], index: usize, samples: usize) -> Vec<f64> {
-    let own = |columns: &Vec<(usize, Vec<f64>)>| {
+pub(super) fn stacked(responses: &[Vec<Column>], index: usize, samples: usize) -> Vec<f64> {
+    let own = |columns: &Vec<Column>| {
         let found = columns.iter().find(|column| column.0 == index);
         found.map_or_else(|| vec![0.0; samples], |column| column.1.clone())
     };
@@ -493,15 +457,4 @@ pub(super) fn nudged(at: &DVector<f64>, index: usize, by: f64) -> DVector<f64> {
     let mut to = at.clone();
     to[index] += by;
     to
-}
-
-/// The sum of products where there are data.
-fn product(left: &[f64], right: &[f64], data: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for ((left, right), datum) in left.iter().zip(right).zip(data) {
-        if !datum.is_nan() {
-            sum += left * right;
-        }
-    }
-    sum
 }

@@ -20,6 +20,7 @@ pub mod limits;
 mod measured;
 pub mod model;
 mod motion;
+mod normal;
 pub mod page;
 mod parts;
 pub mod progress;

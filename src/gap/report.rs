@@ -11,8 +11,8 @@ use super::stage::{Problem, Stage};
 use super::whereabouts::Whereabouts;
 use crate::instruments::number;
 
-/// The standard errors on either side of a value between which it lies in 95 of 100 cases.
-pub(super) const TWO_SIDED_95: f64 = 1.96;
+/// The standard errors, from twenty blocks, on either side of a value between which it lies in 95 of 100 cases: Student.
+pub(super) const TWO_SIDED_95: f64 = 2.09;
 
 impl Outcome {
     /// The stage that is told of: the last one where something is named, else the patch as it was.

@@ -194,7 +194,7 @@ impl Problem {
             if round.promising && before_promise.is_none() {
                 before_promise = Some(come.and(&round));
             }
-            if !come.goes_on_with(round) || !self.is_structured(&come.stage) {
+            if !come.goes_on_with(round) || !leaves_structure(&come.stage) {
                 break;
             }
         }
@@ -216,7 +216,7 @@ impl Problem {
                 self.whereabouts(&base, with.threads)?
             }
         };
-        let is_doubtful = verdict.has_names() && self.is_structured(&stage) && left > CLEAR;
+        let is_doubtful = verdict.has_names() && leaves_structure(&stage) && left > CLEAR;
         if is_doubtful && !rounds[0].stands_out() && is_a_curve(&whereabouts, left) {
             verdict = Verdict::UnknownEffect;
         }
@@ -268,7 +268,7 @@ impl Problem {
             let others = come.effects.iter().enumerate().filter(|(other, _)| *other != place);
             let others: Vec<&Candidate> = others.map(|(_, own)| own).collect();
             let Some((kept, without)) = self.joined(base, &others, with.library)? else { break };
-            let is_needed = self.is_structured(&without);
+            let is_needed = leaves_structure(&without);
             let again = is_needed.then(|| self.round(&without, &kept, with, progress)).transpose()?;
             match again.filter(|again| again.taken) {
                 Some(again) => {
@@ -322,14 +322,9 @@ impl Problem {
         stage.train.unexplained().sqrt()
     }
 
-    /// Whether what is left is more than noise.
-    fn is_structured(&self, stage: &Stage) -> bool {
-        stage.colour > COLOURED
-    }
-
     fn verdict(&self, stage: &Stage, rounds: &[Round], left: f64, blind: Option<Blind>) -> Verdict {
         let taken = rounds.iter().filter(|round| round.taken);
-        match (taken.clone().count(), self.is_structured(stage)) {
+        match (taken.clone().count(), leaves_structure(stage)) {
             (0, false) if blind.is_some() => Verdict::CannotJudge,
             (0, false) => Verdict::NothingMissing,
             (0, true) => Verdict::UnknownEffect,
@@ -392,13 +387,14 @@ impl Problem {
         }
         let tried: Vec<(Candidate, Stage)> = tried.into_iter().flatten().collect();
         let best = tried.iter().map(|(_, stage)| stage.train.chi2).fold(f64::INFINITY, f64::min);
-        let looked_after = |(candidate, stage): &(Candidate, Stage)| {
+        let found_again = |(_, stage): &(Candidate, Stage)| {
             let is_near = stage.train.chi2 < NEAR * best;
-            let again = is_near.then(|| self.found_again(stage).ok().flatten()).flatten();
-            (candidate.clone(), again.unwrap_or_else(|| stage.clone()))
+            is_near.then(|| self.found_again(stage).ok().flatten()).flatten()
         };
-        let tried = pool::each(&tried, with.threads, looked_after, |_| ());
-        Ok(Round::of(stage, effects.is_empty(), tried))
+        let again = pool::each(&tried, with.threads, found_again, |_| ());
+        let tried = tried.into_iter().zip(again);
+        let tried = tried.map(|((candidate, stage), again)| (candidate, again.unwrap_or(stage)));
+        Ok(Round::of(stage, effects.is_empty(), tried.collect()))
     }
 }
 
@@ -406,6 +402,11 @@ impl Problem {
 fn is_a_curve(whereabouts: &[Whereabouts], left: f64) -> bool {
     let best = whereabouts.first().and_then(|best| best.best.map(|place| &best.curves[place]));
     best.is_some_and(|curve| 1.0 - curve.explains < CURVE * left * left)
+}
+
+/// Whether what is left is more than noise.
+fn leaves_structure(stage: &Stage) -> bool {
+    stage.colour > COLOURED
 }
 
 /// The places of so many trials, those that left least first.
@@ -457,7 +458,7 @@ impl Come {
 
     /// Whether to go on with a round: it is one more, and its best is taken, or may be beside what is still missing.
     fn goes_on_with(&mut self, round: Round) -> bool {
-        let best = (round.taken || round.promising).then(|| round.trials[0].clone());
+        let best = round.is_gone_on_from().then(|| round.trials[0].clone());
         self.rounds.push(round);
         let is_taken = best.is_some();
         if let Some(best) = best {
@@ -497,9 +498,14 @@ impl Round {
             self.trials.iter().map(|trial| (trial.candidate.clone(), trial.stage.clone())).collect();
         tried.first_mut()?.1 = taken;
         let again = Round::of(&self.before, self.is_first, tried);
-        let best = (again.taken || again.promising).then(|| again.trials[0].clone())?;
+        let best = again.is_gone_on_from().then(|| again.trials[0].clone())?;
         *self = again;
         Some(best)
+    }
+
+    /// Whether the search goes on with the best.
+    fn is_gone_on_from(&self) -> bool {
+        self.taken || self.promising
     }
 
     /// The share of the gap, in squares, that the best closes.
@@ -511,16 +517,16 @@ impl Round {
     /// Whether the best does enough to stand beside what was taken before it: most of what is left, or all that does not look
     /// like noise. An effect whose law has another shape than the library's leaves something, too.
     pub fn closes_enough(&self) -> bool {
-        let leaves_noise = self.trials.first().is_some_and(|best| best.stage.colour < COLOURED);
+        let leaves_noise = self.trials.first().is_some_and(|best| !leaves_structure(&best.stage));
         self.is_first || leaves_noise || self.closed() > LEAST_CLOSED
     }
 
     fn of(before: &Stage, is_first: bool, tried: Vec<(Candidate, Stage)>) -> Round {
         let unit = unit(tried.iter().map(|(_, stage)| stage));
+        let each = (before.train.count as f64 / unit.1).ln();
         let score = |stage: &Stage| {
             let numbers = (stage.version.fit.len() - before.version.fit.len()) as f64;
-            let samples = before.train.count as f64 / unit.1;
-            (before.train.chi2 - stage.train.chi2) / (unit.0 * unit.1) - numbers * samples.ln()
+            (before.train.chi2 - stage.train.chi2) / (unit.0 * unit.1) - numbers * each
         };
         let nothing = Advantage { sum: 0.0, error: 0.0 };
         let trial = |(candidate, stage): (Candidate, Stage)| Trial {
@@ -542,7 +548,7 @@ impl Round {
             tied: 0,
             taken: false,
             promising: false,
-            price: unit.0 * unit.1 * (before.train.count as f64 / unit.1).ln(),
+            price: unit.0 * unit.1 * each,
         };
         round.judge();
         round
@@ -561,11 +567,11 @@ impl Round {
         let Some(best) = self.trials.first() else { return };
         self.confirmed = advantage(&self.before.test, &best.stage.test);
         let shows = best.score > self.needed && self.closes_enough();
-        let leaves_noise = best.stage.colour < COLOURED && best.stage.test.reduced() < NOISE;
+        let leaves_noise = !leaves_structure(&best.stage) && best.stage.test.reduced() < NOISE;
         let gains = leaves_noise && self.confirmed.sum > self.needed * best.stage.memory;
         self.taken = shows && (self.confirmed.ratio() > CONFIRMED || gains);
         let may_be = self.confirmed.ratio() > PROMISING && self.closed() > LEAST_CLOSED;
-        self.promising = shows && !self.taken && may_be && best.stage.colour > COLOURED;
+        self.promising = shows && !self.taken && may_be && leaves_structure(&best.stage);
         self.tied = 1 + self.trials.iter().skip(1).filter(|trial| self.is_tied(trial)).count();
     }
 
@@ -600,12 +606,11 @@ impl Round {
         let is_near = best.score - trial.score < APART_BY || is_simple;
         let is_near = is_near && trial.behind.ratio() < APART;
         // What leaves structure where another leaves noise, or far less structure, is no rival.
-        let is_noise = |trial: &Trial| trial.stage.colour < COLOURED;
         let leaves_far_more = |of: fn(&Stage) -> &Fitted| {
             of(&trial.stage).unexplained() > STANDS_OUT * of(&best.stage).unexplained()
         };
         let is_far = leaves_far_more(|stage| &stage.train) && leaves_far_more(|stage| &stage.test);
-        let is_as_good = is_noise(trial) || !is_noise(best) && !is_far;
+        let is_as_good = !leaves_structure(&trial.stage) || leaves_structure(&best.stage) && !is_far;
         trial.candidate.effect != best.candidate.effect && trial.score > self.needed && is_near && is_as_good
     }
 }

@@ -104,9 +104,11 @@ impl Stage {
         })
     }
 
-    /// The standard error of what is fitted at a place, as wide as what is left, and how long that remembers, makes it.
+    /// The standard error of what is fitted at a place, as wide as what is left, and how long that remembers, makes it, and at
+    /// least as wide as parts of the records disagree.
     pub fn error(&self, place: usize) -> f64 {
-        self.train.errors[place] * (self.train.reduced().max(1.0) * self.memory).sqrt()
+        let of_noise = self.train.errors[place] * (self.train.reduced().max(1.0) * self.memory).sqrt();
+        of_noise.max(self.train.by_blocks[place])
     }
 }
 

@@ -1,0 +1,158 @@
+//! Normal equations: what the derivatives of residuals by the coordinates of a fit come to, the steps they ask for, and how far
+//! from where the fit ends the coordinates may be.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Eigenvalues of the normal matrix below this share of the largest tell of nothing.
+const LEAST_TOLD: f64 = 1e-12;
+
+/// The derivatives of residuals by a coordinate, behind its place.
+pub(super) type Column = (usize, Vec<f64>);
+
+/// What the derivatives come to: the normal matrix and the gradient, in coordinates.
+pub(super) struct Normal {
+    /// The products of the derivatives by two coordinates.
+    pub(super) matrix: DMatrix<f64>,
+    /// Those of the derivatives and the residuals.
+    pub(super) gradient: DVector<f64>,
+}
+
+impl Normal {
+    /// That of so many coordinates before there are data.
+    pub(super) fn empty(count: usize) -> Normal {
+        Normal { matrix: DMatrix::zeros(count, count), gradient: DVector::zeros(count) }
+    }
+
+    /// Adds the residuals of an output.
+    pub(super) fn add(&mut self, columns: &[Column], residual: &[f64]) {
+        for (place, (index, column)) in columns.iter().enumerate() {
+            self.gradient[*index] += product(column, residual, residual);
+            for (other, beside) in &columns[..=place] {
+                let sum = product(column, beside, residual);
+                self.matrix[(*index, *other)] += sum;
+                if index != other {
+                    self.matrix[(*other, *index)] += sum;
+                }
+            }
+        }
+    }
+
+    /// The matrix of some coordinates in units in which every one of them tells as much, behind these.
+    fn scaled(&self, some: &[usize]) -> (Vec<f64>, DMatrix<f64>) {
+        let units: Vec<f64> = some.iter().map(|index| 1.0 / self.matrix[(*index, *index)].sqrt()).collect();
+        let matrix = DMatrix::from_fn(some.len(), some.len(), |row, column| {
+            self.matrix[(some[row], some[column])] * units[row] * units[column]
+        });
+        (units, matrix)
+    }
+
+    /// The damped step of these coordinates.
+    pub(super) fn solved(&self, free: &[usize], damping: f64) -> DVector<f64> {
+        let count = free.len();
+        let (units, mut matrix) = self.scaled(free);
+        (0..count).for_each(|place| matrix[(place, place)] += damping + LEAST_TOLD);
+        let gradient = DVector::from_fn(count, |row, _| -self.gradient[free[row]] * units[row]);
+        let solved = matrix.cholesky().map(|cholesky| cholesky.solve(&gradient));
+        let solved = solved.unwrap_or_else(|| gradient * (1.0 / (1.0 + damping)));
+        DVector::from_fn(count, |row, _| solved[row] * units[row])
+    }
+}
+
+/// How far coordinates may be from where a fit puts them.
+pub(super) struct Spread {
+    /// How many coordinates there are.
+    count: usize,
+    /// Those that the data tell of.
+    told: Vec<usize>,
+    /// In whose units every coordinate tells as much.
+    units: Vec<f64>,
+    /// A root of the inverse of their normal matrix, in these units: the inverse is this times its transpose.
+    root: DMatrix<f64>,
+}
+
+impl Spread {
+    /// That of these coordinates.
+    pub(super) fn of(normal: &Normal, free: &[usize]) -> Spread {
+        let is_told = |index: &usize| normal.matrix[(*index, *index)] > 0.0;
+        let told: Vec<usize> = free.iter().copied().filter(is_told).collect();
+        let (units, scaled) = normal.scaled(&told);
+        let mut eigen = scaled.symmetric_eigen();
+        let least = LEAST_TOLD * eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+        for (mut vector, value) in eigen.eigenvectors.column_iter_mut().zip(&eigen.eigenvalues) {
+            vector /= value.max(least).sqrt();
+        }
+        Spread { count: normal.gradient.len(), told, units, root: eigen.eigenvectors }
+    }
+
+    /// Standard errors where the noise is white.
+    pub(super) fn errors(&self) -> Vec<f64> {
+        self.each(|row| self.root.row(row).norm())
+    }
+
+    /// Standard errors by how far every block would move the coordinates of which so many bend it, whatever the noise is like.
+    pub(super) fn errors_by(&self, pulls: &[DVector<f64>], bent: usize) -> Vec<f64> {
+        let moves: Vec<DVector<f64>> = pulls.iter().map(|pull| self.moved(pull)).collect();
+        let blocks = pulls.len() as f64;
+        let few = (blocks / (blocks - bent as f64).max(1.0)).sqrt();
+        self.each(|row| few * moves.iter().map(|own| own[row] * own[row]).sum::<f64>().sqrt())
+    }
+
+    /// Where a gradient would move what is told of, in its units.
+    fn moved(&self, gradient: &DVector<f64>) -> DVector<f64> {
+        let own = self.told.iter().zip(&self.units).map(|(index, unit)| gradient[*index] * unit);
+        let own = DVector::from_iterator(self.told.len(), own);
+        &self.root * (self.root.transpose() * own)
+    }
+
+    /// Something of every coordinate; infinite where the data do not tell.
+    fn each(&self, of: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut all = vec![f64::INFINITY; self.count];
+        for (row, (index, unit)) in self.told.iter().zip(&self.units).enumerate() {
+            all[*index] = of(row) * unit;
+        }
+        all
+    }
+}
+
+/// The sum of products where there are data.
+pub(super) fn product(left: &[f64], right: &[f64], data: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for ((left, right), datum) in left.iter().zip(right).zip(data) {
+        if !datum.is_nan() {
+            sum += left * right;
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::{Normal, Spread};
+
+    /// The spread of a mean, and of a coordinate that nothing tells of, by residuals.
+    fn spread(residuals: &[f64]) -> Spread {
+        let mut normal = Normal::empty(2);
+        let column = |value: f64| vec![value; residuals.len()];
+        normal.add(&[(0, column(-1.0)), (1, column(0.0))], residuals);
+        Spread::of(&normal, &[0, 1])
+    }
+
+    #[test]
+    fn mean_is_as_good_as_the_root_of_the_count() {
+        let errors = spread(&[1.0; 100]).errors();
+        assert!((errors[0] - 0.1).abs() < 1e-12 && errors[1].is_infinite(), "{errors:?}");
+    }
+
+    #[test]
+    fn blocks_that_disagree_widen_a_mean_by_their_own_spread() {
+        let means = [1.0, -1.0, 3.0, -3.0];
+        let residuals = means.map(|mean| [mean; 25]).concat();
+        let pulls = means.map(|mean| DVector::from_vec(vec![-25.0 * mean, 0.0]));
+        // The standard error of the mean of four means.
+        let wanted = (20.0_f64 / 3.0 / 4.0).sqrt();
+        let errors = spread(&residuals).errors_by(&pulls, 1);
+        assert!((errors[0] - wanted).abs() < 1e-12, "{errors:?}, not {wanted}");
+    }
+}
