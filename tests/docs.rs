@@ -6,6 +6,7 @@ mod problems;
 #[path = "../benches/performance/threads.rs"]
 mod threads;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -92,6 +93,29 @@ fn the_picture_of_all_symbols_is_fresh() {
     let drawing = patchcord::schematic::legend();
     let fresh = plot::render_drawing(&drawing, plot::Format::Svg, plot::Theme::Light).unwrap();
     check_fresh(path, &fresh, "docs");
+}
+
+/// The first and the last cell of every row of a page's tables.
+fn rows(page: &str) -> BTreeMap<String, String> {
+    let text = fs::read_to_string(page).unwrap();
+    let cells = text.lines().filter_map(|line| line.strip_prefix("| ")?.strip_suffix(" |"));
+    let pairs = cells.filter_map(|cells| Some((cells.split_once(" | ")?.0, cells.rsplit_once(" | ")?.1)));
+    pairs.map(|(first, last)| (first.to_owned(), last.to_owned())).collect()
+}
+
+#[test]
+fn the_search_stands_beside_others_with_its_own_figures() {
+    let own = rows("docs/hidden-effects.md");
+    let text = fs::read_to_string("docs/side-by-side.md").unwrap();
+    let (_, table) = text.split_once("| measure | pysindy | patchcord |\n|---|---|---|\n").unwrap();
+    let beside = table.lines().take_while(|line| line.starts_with("| "));
+    let mut told = 0;
+    for line in beside {
+        let cells: Vec<_> = line.trim_matches(['|', ' ']).split(" | ").collect();
+        assert_eq!(own.get(cells[0]).map(String::as_str), Some(cells[2]), "{}", cells[0]);
+        told += 1;
+    }
+    assert!(told >= 10);
 }
 
 /// A table of docs/performance.md.

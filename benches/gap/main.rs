@@ -71,7 +71,7 @@ fn main() -> Outcome<()> {
     search(&asked, &hidden, &mut journal)?;
     let mut judged = journal.judged;
     judged.sort_by_key(|one| one.number);
-    let page = page::page(&judged);
+    let page = page::page(&judged, CASES);
     println!("{page}");
     if judged.len() == CASES && asked.seed == SEED {
         std::fs::write("docs/hidden-effects.md", page)?;

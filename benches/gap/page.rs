@@ -11,14 +11,18 @@ const BANDS: [(&str, f64, f64); 3] =
 /// From here on parameters are looked at.
 const LARGE: f64 = 3.0;
 
-pub fn page(judged: &[Judged]) -> String {
+/// The page, of so many cases or those of them that were searched.
+pub fn page(judged: &[Judged], cases: usize) -> String {
+    let searched = match judged.len() {
+        all if all == cases => cases.to_string(),
+        some => format!("{some} of {cases}"),
+    };
     let mut text = format!(
         "# Hidden effects\n\n\
-         What `patchcord gap` says of {} experiments in which an effect is hidden, or none. The data come from a program that shares no code with\n\
+         What `patchcord gap` says of {searched} experiments in which an effect is hidden, or none. The data come from a program that shares no code with\n\
          this one (`benches/hidden`), with other shapes of the same laws; the truth lies apart. `cargo bench --bench gap` makes them and writes this page.\n\n\
          *Gap over noise* is the rms that the best refitted base leaves, over the standard deviation of the noise. *Among two*: the data cannot tell, and one of both is the truth. *An alias*: what is named is another effect, which\n\
-         some data cannot tell from the hidden one ([effects.md](effects.md) says which); *wrong name* are all others.\n\n",
-        judged.len()
+         some data cannot tell from the hidden one ([effects.md](effects.md) says which); *wrong name* are all others.\n\n"
     );
     text += &measures(judged);
     text += "\n## What was said, by what is hidden\n\n";

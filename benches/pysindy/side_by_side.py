@@ -36,6 +36,7 @@ CHOSEN = {
     "noise": 1.0, "clean": "",
 }
 LIBRARY = Path(__file__).parents[2] / "patches/effects"
+OWN_PAGE = Path(__file__).parents[2] / "docs/hidden-effects.md"
 BANDS = {"0.3 ... 1": (0, 1), "1 ... 3": (1, 3), "above 3": (3, np.inf)}
 
 
@@ -229,9 +230,15 @@ def figures(cases):
     return told
 
 
+def own_figures():
+    """What docs/hidden-effects.md tells of the search."""
+    rows = (line.strip("| \n").split(" | ") for line in OWN_PAGE.read_text().splitlines() if line.startswith("| "))
+    return {row[0]: row[1] for row in rows if len(row) == 2}
+
+
 def measures(cases):
-    """In a table; patchcord's stand elsewhere."""
-    told, times = figures(cases), [case.seconds for case in cases]
+    """In a table, beside those of patchcord."""
+    told, times, beside = figures(cases), [case.seconds for case in cases], own_figures()
     clear = [case for case in cases if case.kind == ONE and case.egnr >= 3 and case.judgement == "right"]
     errors = [parameter_error(case.truth, case.model, case.case) for case in clear]
     errors = np.array([error for error in errors if error is not None])
@@ -239,7 +246,7 @@ def measures(cases):
         off, near = 100 * np.median(errors), 100 * np.mean(errors <= 0.1)
         told["parameter of the named effect, gap over noise above 3"] = f"{off:.0f} % off (median of {len(errors)}), within 10 % in {near:.0f} %"
     told["time for a case"] = f"{np.median(times):.1f} s (median), {max(times):.0f} s at most"
-    rows = "".join(f"| {what} | {figure} | see hidden-effects.md |\n" for what, figure in told.items())
+    rows = "".join(f"| {what} | {figure} | {beside[what]} |\n" for what, figure in told.items())
     return "| measure | pysindy | patchcord |\n|---|---|---|\n" + rows
 
 

@@ -24,6 +24,7 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
     }
     for (number, round) in outcome.rounds.iter().enumerate() {
         text += &format!("\n{}\n\n{}", heading(number + 1, round), trials(round).text());
+        text.extend(round.left_out.iter().map(|own| format!("{}\n", own.sentence())));
     }
     text
 }

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use super::candidate::Candidate;
 use super::fit::Fitted;
 use super::limits::{Limit, best_places};
-use super::search::{Outcome, Round, Trial, Verdict};
+use super::search::{LeftOut, Outcome, Round, Trial, Verdict};
 use super::separate::Separating;
 use super::stage::{Problem, Stage};
 use super::whereabouts::Whereabouts;
@@ -73,10 +73,16 @@ impl Outcome {
         let rivals = self.rounds.iter().enumerate().flat_map(|(number, round)| {
             round.trials.iter().map(move |trial| rival(number + 1, round, trial))
         });
+        let left_out = self
+            .rounds
+            .iter()
+            .enumerate()
+            .flat_map(|(number, round)| round.left_out.iter().map(move |own| left_out(number + 1, own)));
         json!({
             "verdict": self.verdict.as_str(),
             "effects": effects.collect::<Vec<_>>(),
             "rivals": rivals.collect::<Vec<_>>(),
+            "left_out": left_out.collect::<Vec<_>>(),
             "gap": {
                 "before": gaps(problem, &self.base),
                 "after": gaps(problem, self.told()),
@@ -180,6 +186,10 @@ fn rival(number: usize, round: &Round, trial: &Trial) -> Value {
         "held_out_gap": trial.stage.test.over_noise(),
         "behind": {"by": trial.behind.sum, "error": trial.behind.error},
     })
+}
+
+fn left_out(number: usize, own: &LeftOut) -> Value {
+    json!({"step": number, "name": own.effect, "junction": own.junction, "why": own.why})
 }
 
 fn gaps(problem: &Problem, stage: &Stage) -> Value {

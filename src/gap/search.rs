@@ -1,6 +1,8 @@
 //! The search: every effect at every place that it fits, everything refitted, the best confirmed on what was held back; and
 //! again, until what is left looks like noise or nothing more can be named.
 
+use std::mem;
+
 use super::candidate::Candidate;
 use super::effect::Library;
 use super::fit::Fitted;
@@ -11,7 +13,7 @@ use super::progress::{Part, Progress};
 use super::score::{Advantage, advantage};
 use super::separate::Separating;
 use super::site::Sites;
-use super::stage::{Asked, Effort, Problem, Stage};
+use super::stage::{Asked, Effort, Problem, Stage, Untried};
 use super::starts::Agreement;
 use super::whereabouts::Whereabouts;
 use crate::circuit::Circuit;
@@ -64,6 +66,17 @@ pub struct Trial {
     pub behind: Advantage,
 }
 
+/// An effect that was not tried at a place.
+#[derive(Debug, Clone)]
+pub struct LeftOut {
+    /// The effect.
+    pub effect: String,
+    /// The element that it would act on.
+    pub junction: String,
+    /// Why it was not tried.
+    pub why: String,
+}
+
 /// What was tried on one patch.
 #[derive(Debug, Clone)]
 pub struct Round {
@@ -73,6 +86,8 @@ pub struct Round {
     pub is_first: bool,
     /// Every trial, the best first.
     pub trials: Vec<Trial>,
+    /// What could not be tried.
+    pub left_out: Vec<LeftOut>,
     /// What the best does for the records that were held back.
     pub confirmed: Advantage,
     /// The score that the best must have.
@@ -302,11 +317,14 @@ impl Problem {
             };
             let peaks = self.peaks(&stage)?;
             let asked = Asked { effort: Effort::FULL, wanted: stage.train.chi2, before: None };
-            let Some((candidate, next)) = self.attempt(&stage, &attached, &peaks, asked)? else {
-                return Ok(None);
-            };
-            kept.push(candidate);
-            stage = next;
+            match self.attempt(&stage, &attached, &peaks, asked) {
+                Ok((candidate, next)) => {
+                    kept.push(candidate);
+                    stage = next;
+                }
+                Err(Untried::Model(error)) => return Err(error),
+                Err(Untried::Idle | Untried::NotRun) => return Ok(None),
+            }
         }
         Ok(Some((kept, stage)))
     }
@@ -351,16 +369,21 @@ impl Problem {
         let mut tell = |part, done, all: usize| {
             progress(Progress { round: number, part, done, all: all as u64 });
         };
-        let attempt = |attached: &Attached<'_>, asked: Asked<'_>| {
-            self.attempt(stage, attached, &peaks, asked).ok().flatten()
-        };
+        let attempt =
+            |attached: &Attached<'_>, asked: Asked<'_>| self.attempt(stage, attached, &peaks, asked);
         let before = stage.train.chi2;
-        let mut tried = pool::each(
+        let tried = pool::each(
             &all,
             with.threads,
             |own| attempt(own, Asked { effort: Effort::QUICK, wanted: before, before: None }),
             |done| tell(Part::Quick, done, all.len()),
         );
+        let left_out: Vec<LeftOut> = all
+            .iter()
+            .zip(&tried)
+            .filter_map(|(own, tried)| Some(LeftOut::of(own, tried.as_ref().err()?)))
+            .collect();
+        let mut tried: Vec<Option<(Candidate, Stage)>> = tried.into_iter().map(Result::ok).collect();
         let mut harder = |most: usize, effort: Effort, part: Part| {
             let order = best_of(&tried, most);
             // Where there is no hope to come to what the best has come to, no more is needed.
@@ -372,7 +395,7 @@ impl Problem {
                 |place| {
                     let wanted = if *place == order[0] { before } else { reached };
                     let come = tried[*place].as_ref().map(|(_, stage)| stage);
-                    attempt(&all[*place], Asked { effort, wanted, before: come })
+                    attempt(&all[*place], Asked { effort, wanted, before: come }).ok()
                 },
                 |done| tell(part, done, order.len()),
             );
@@ -394,7 +417,7 @@ impl Problem {
         let again = pool::each(&tried, with.threads, found_again, |_| ());
         let tried = tried.into_iter().zip(again);
         let tried = tried.map(|((candidate, stage), again)| (candidate, again.unwrap_or(stage)));
-        Ok(Round::of(stage, effects.is_empty(), tried.collect()))
+        Ok(Round { left_out, ..Round::of(stage, effects.is_empty(), tried.collect()) })
     }
 }
 
@@ -491,6 +514,19 @@ impl Come {
     }
 }
 
+impl LeftOut {
+    fn of(attached: &Attached<'_>, why: &Untried) -> LeftOut {
+        let effect = attached.effect.name.clone();
+        LeftOut { effect, junction: attached.junction().to_owned(), why: why.to_string() }
+    }
+
+    /// What was not tried, and why, in a line.
+    pub fn sentence(&self) -> String {
+        let why = self.why.lines().next().unwrap_or_default();
+        format!("{} at {} was not tried: {why}", self.effect, self.junction)
+    }
+}
+
 impl Round {
     /// Judges the trials again with a better fit of the one that was taken; what is best then, if it still is to be taken.
     fn refit(&mut self, taken: Stage) -> Option<Trial> {
@@ -499,7 +535,7 @@ impl Round {
         tried.first_mut()?.1 = taken;
         let again = Round::of(&self.before, self.is_first, tried);
         let best = again.is_gone_on_from().then(|| again.trials[0].clone())?;
-        *self = again;
+        *self = Round { left_out: mem::take(&mut self.left_out), ..again };
         Some(best)
     }
 
@@ -543,6 +579,7 @@ impl Round {
             before: before.clone(),
             is_first,
             trials,
+            left_out: Vec::new(),
             confirmed: nothing,
             needed,
             tied: 0,

@@ -200,6 +200,20 @@ impl Effort {
     }
 }
 
+/// Why an effect is not tried at a place.
+#[derive(Debug, thiserror::Error)]
+pub enum Untried {
+    /// There is nothing to find its size by.
+    #[error("what it acts on, or is measured by, stays at zero")]
+    Idle,
+    /// No fit can begin.
+    #[error("the patch with it can be run from none of its starts")]
+    NotRun,
+    /// The patch with it is none.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
+
 /// What is asked of a trial.
 #[derive(Debug, Clone, Copy)]
 pub struct Asked<'a> {
@@ -507,23 +521,20 @@ impl Problem {
         Ok(Peaks { names, ends, interval, length, spectrum })
     }
 
-    /// Wires one more effect into a stage, and fits everything anew, as long as there is hope to come to what is wanted; nothing
-    /// where the effect does not fit.
+    /// Wires one more effect into a stage, and fits everything anew, as long as there is hope to come to what is wanted.
     ///
     /// # Errors
-    /// When the patch with it cannot be run beside the records.
+    /// When the effect does not fit, or the patch with it cannot be run beside the records.
     pub fn attempt(
         &self,
         stage: &Stage,
         attached: &Attached<'_>,
         peaks: &Peaks,
         asked: Asked<'_>,
-    ) -> Result<Option<(Candidate, Stage)>, ModelError> {
+    ) -> Result<(Candidate, Stage), Untried> {
         let largest = peaks.at(&attached.place);
-        let Some(candidate) = Candidate::new(attached, &stage.version.patch, &largest, &peaks.spectrum)?
-        else {
-            return Ok(None);
-        };
+        let candidate = Candidate::new(attached, &stage.version.patch, &largest, &peaks.spectrum);
+        let candidate = candidate.map_err(ModelError::from)?.ok_or(Untried::Idle)?;
         let graft = &candidate.graft;
         let brought = graft.parameters.iter().map(|parameter| parameter.name.clone());
         let version = Version {
@@ -554,7 +565,8 @@ impl Problem {
             held: Some(&stage.test.point.initial),
             effort: asked.effort,
         };
-        Ok(self.stage(version, from, asked.wanted)?.map(|stage| (candidate, stage)))
+        let stage = self.stage(version, from, asked.wanted)?.ok_or(Untried::NotRun)?;
+        Ok((candidate, stage))
     }
 }
 

@@ -107,9 +107,16 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     let stale = out_folder.join("recovered.json");
     std::fs::create_dir(&out_folder).unwrap();
     std::fs::write(&stale, "of an earlier search").unwrap();
+    let effects = folder.path().join("effects");
+    std::fs::create_dir(&effects).unwrap();
+    let bias = std::fs::read_to_string("patches/effects/constant-bias.json").unwrap();
+    let no_setting = bias.replace("0.5 + 0.005 * b / sum", "2");
+    std::fs::write(effects.join("no-setting.json"), no_setting).unwrap();
     let told = patchcord(&[
         "gap",
         "tests/gap/hidden/saturation/experiment.json",
+        "--effects",
+        effects.to_str().unwrap(),
         "--out",
         out_folder.to_str().unwrap(),
     ]);
@@ -120,6 +127,8 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     let page = std::fs::read_to_string("docs/gap.md").unwrap();
     let first = text.lines().next().unwrap();
     assert!(page.contains(first) && first.ends_with("saturation at u is missing"), "{text}");
+    let untried = "no-setting at I1 was not tried: error[setting-outside]: ";
+    assert!(text.contains(untried), "{text}");
     let augmented = out_folder.join("augmented.json");
     let ran = patchcord(&["run", augmented.to_str().unwrap()]);
     assert!(code(&ran) == 0 && out(&ran).contains("no overload"), "{}{}", out(&ran), errors(&ran));
@@ -131,7 +140,11 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     assert_eq!(report["patch"], Value::from(augmented.display().to_string()));
     let page = std::fs::read_to_string(out_folder.join("report.html")).unwrap();
     let rivals = report["rivals"].as_array().unwrap().iter().filter(|rival| rival["step"] == 1).count();
-    // Every effect that was tried stands on the page, and pictures do.
+    // Every effect that was tried stands on the page, and pictures do; and what was not, and what to do about it.
+    assert!(page.contains(untried));
+    assert_eq!(report["left_out"].as_array().unwrap().len(), 2);
+    let why = report["left_out"][0]["why"].as_str().unwrap();
+    assert!(why.contains("help: "), "{why}");
     assert!(page.contains("<p class=\"verdict\">saturation at u is missing</p>"));
     assert!(page.contains(&format!("Round 1: {rivals} effects and places tried")));
     let best = &report["where"][0];

@@ -12,12 +12,13 @@ pub(super) fn section(told: &Told<'_>, place: usize, round: &Round) -> Result<St
     let count = round.trials.len();
     Ok(format!(
         "<section>\n<h2>Round {place}: {count} effects and places tried</h2>\n<p class=\"reading\">{}</p>\n{}{}\
-         <details open><summary>All of them; a score of {} is needed</summary>\n{}</details>\n</section>\n",
+         <details open><summary>All of them; a score of {} is needed</summary>\n{}{}</details>\n</section>\n",
         escaped(&round.sentence()),
         effect(told, best),
         told.pictures(&[("before", &round.before), (&best.named(), &best.stage)])?,
         number(round.needed),
-        trials(round)
+        trials(round),
+        left_out(round)
     ))
 }
 
@@ -48,6 +49,11 @@ fn trials(round: &Round) -> String {
     let headings =
         ["effect", "at", "reads", "form", "score", "gap that is left", "training", "held back", "why not"];
     table(&headings, rows)
+}
+
+/// What was not tried, and why; nothing where everything was.
+fn left_out(round: &Round) -> String {
+    round.left_out.iter().map(|own| format!("<p>{}</p>\n", escaped(&own.sentence()))).collect()
 }
 
 /// Why a trial is not the one.
