@@ -35,17 +35,14 @@ pub struct Effect {
 }
 
 /// Shapes that the library's laws do not have.
-const SHAPES_OF_OTHERS: [&str; 11] = [
-    "Gaussian",
+const SHAPES_OF_OTHERS: [&str; 8] = [
     "Lorentzian",
     "speed lagged over a distance",
     "Dahl",
     "LuGre",
     "elastoplastic",
     "logarithmic",
-    "tanh",
     "restitution",
-    "saturating exponential",
     "weir",
 ];
 

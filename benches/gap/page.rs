@@ -158,7 +158,8 @@ fn confusion(judged: &[Judged]) -> String {
     for one in judged {
         let said = match one.verdict.as_str() {
             "named" | "ambiguous" => {
-                let names: Vec<_> = one.named.iter().map(|(name, _)| name.as_str()).collect();
+                let mut names: Vec<_> = one.named.iter().map(|(name, _)| name.as_str()).collect();
+                names.sort_unstable();
                 names.join(if one.verdict == "named" { " + " } else { " or " })
             }
             verdict => verdict.to_owned(),

@@ -11,6 +11,10 @@ const MOST_STEPS: u32 = 4;
 const MOST_STARTS: usize = 16;
 /// and from so many without any effect.
 const MOST_SHAPES: usize = 12;
+/// A parameter that begins at so many values or more has many valleys.
+const COMB: usize = 8;
+/// By these shares of the way from one of them to the next a fit is moved, to see whether it ended in the wrong one.
+const BESIDE: [f64; 4] = [0.1, 0.2, 0.35, 0.5];
 
 /// An effect wired into a patch.
 #[derive(Debug, Clone)]
@@ -33,6 +37,8 @@ pub struct Candidate {
     pub starts: Vec<Vec<f64>>,
     /// The value of its first parameter at which there is no effect, where that lies in its range.
     pub none: Option<f64>,
+    /// Of every parameter how far the values lie apart from which fits begin, where they are many.
+    combs: Vec<Option<f64>>,
 }
 
 impl Candidate {
@@ -70,7 +76,23 @@ impl Candidate {
             without: over_shapes(none.into_iter().collect(), MOST_SHAPES),
             starts: over_shapes(starts, MOST_STARTS),
             none,
+            combs: measured.iter().map(Measured::comb).collect(),
         }))
+    }
+
+    /// Values of its parameters beside those where a fit ended, where it may have ended in the wrong of many valleys.
+    pub fn beside(&self, found: &[f64]) -> Vec<Vec<f64>> {
+        let combs = self.combs.iter().enumerate().filter_map(|(place, comb)| Some((place, (*comb)?)));
+        let moved = combs.flat_map(|(place, comb)| {
+            let [low, high] = self.graft.parameters[place].range;
+            let shifts = BESIDE.into_iter().flat_map(move |share| [-share * comb, share * comb]);
+            shifts.map(move |shift| {
+                let mut moved = found.to_vec();
+                moved[place] = (moved[place] + shift).clamp(low, high);
+                moved
+            })
+        });
+        moved.collect()
     }
 
     /// Whether it is this effect at this place.
@@ -138,6 +160,11 @@ struct Measured {
 }
 
 impl Measured {
+    /// How far the values lie apart from which fits begin, where they are many.
+    fn comb(&self) -> Option<f64> {
+        (self.starts.len() >= COMB).then(|| (self.starts[1] - self.starts[0]).abs())
+    }
+
     fn of(name: &str, parameter: &EffectParameter, largest: &[Largest], peaks: &[f64]) -> Option<Measured> {
         let (size, unit) = reach(&parameter.reach, largest)?;
         // Where something that it is measured in never leaves zero, it has nothing to act on.

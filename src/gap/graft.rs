@@ -1,10 +1,10 @@
-//! A patch with an effect wired in: the fragment as a macro of its own, one instance, and the cords that join it.
+//! A patch with an effect wired in: the fragment as a macro of its own, an instance or several, and the cords that join it.
 
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 use serde_json::{Map, Value, json};
 
 use super::effect::{Attachment, Effect, Form, Gives, Reads};
-use super::site::{Junction, Reading, Sites};
+use super::site::{Junction, Reading, Sites, Total};
 use crate::elements::{self, Family};
 use crate::machines::REFERENCE;
 use crate::patch::{Dimension, Edit, EditError, Formula, Patch, Scope, Unit};
@@ -76,7 +76,7 @@ impl<'a> Place<'a> {
             Attachment::Drive => Place::cords(form, &sites.drives),
             Attachment::Level => Place::cords(form, &sites.levels),
             Attachment::Total => junctions
-                .filter(|junction| junction.is_motion && junction.sum.total.is_some())
+                .filter(|junction| junction.is_motion)
                 .map(|junction| Place::Junction { junction, position: None, load: None, next: None })
                 .collect(),
             Attachment::Motion => junctions
@@ -248,6 +248,8 @@ struct Wiring<'a> {
     scales: Map<String, Value>,
     /// What is plugged into the instance.
     inputs: Map<String, Value>,
+    /// Further instances, where one is not enough, and what is plugged into them.
+    others: Vec<(String, Map<String, Value>)>,
 }
 
 impl<'a> Wiring<'a> {
@@ -284,6 +286,7 @@ impl<'a> Wiring<'a> {
             scales,
             elements: IndexMap::new(),
             inputs: Map::new(),
+            others: Vec::new(),
         }
     }
 
@@ -380,16 +383,49 @@ impl<'a> Wiring<'a> {
         entry.or_insert_with(|| self.patch.value()["elements"][name].clone())
     }
 
-    /// Wires it between everything that drives an integrator and the integrator.
+    /// Wires it between everything that drives an integrator and the integrator: into the one cord, or, where there are more,
+    /// into each of them.
     fn through(&mut self, junction: &Junction) {
-        let Some(total) = &junction.sum.total else { return };
-        self.inputs.insert(Reads::In.word().to_owned(), json!(total.from));
         if self.attached.form.reads.contains(&Reads::Own) {
             let own = self.upright(&junction.own);
             self.inputs.insert(Reads::Own.word().to_owned(), json!(own));
         }
-        let out = self.port(Gives::Out);
-        replug(self.element(&total.to), &total.from, &out);
+        let driving = match &junction.sum.total {
+            Some(total) => IndexSet::from([total.clone()]),
+            None => self.driving(junction),
+        };
+        for (place, total) in driving.into_iter().enumerate() {
+            let input = (Reads::In.word().to_owned(), json!(total.from));
+            let instance = match place {
+                0 => self.name.clone(),
+                _ => format!("{}-{}", self.name, place + 1),
+            };
+            if place == 0 {
+                self.inputs.extend([input]);
+            } else {
+                let inputs = self.inputs.clone().into_iter().chain([input]).collect();
+                self.others.push((instance.clone(), inputs));
+            }
+            replug(self.element(&total.to), &total.from, &format!("{instance}.{}", Gives::Out.word()));
+        }
+    }
+
+    /// Every cord that drives an integrator, its brake among them; before the potentiometer that it comes through, which sets a
+    /// rate and has to stay beside the integrator.
+    fn driving(&self, junction: &Junction) -> IndexSet<Total> {
+        let elements = &self.patch.value()["elements"];
+        let jacks = elements[&junction.integrator]["in"].as_object().into_iter().flatten();
+        let own = jacks.filter(|(jack, _)| jack.starts_with('x') || jack.starts_with("brake_x"));
+        let cords = own
+            .flat_map(|(_, cords)| cords.as_array().map_or(std::slice::from_ref(cords), Vec::as_slice))
+            .filter_map(Value::as_str);
+        let total = |from: &str, to: &str| Total { from: from.to_owned(), to: to.to_owned() };
+        cords
+            .map(|from| match (elements[from]["kind"].as_str(), elements[from]["in"].as_str()) {
+                (Some("pot"), Some(behind)) => total(behind, from),
+                _ => total(from, &junction.integrator),
+            })
+            .collect()
     }
 
     /// Wires it into the cords of an output.
@@ -454,11 +490,14 @@ impl<'a> Wiring<'a> {
             put(&mut edits, self.patch, "parameters", RECORD_START, value);
         }
         put(&mut edits, self.patch, "macros", macro_name, self.fragment());
-        let mut instance = Map::new();
-        instance.insert("kind".to_owned(), json!(macro_name));
-        instance.extend(self.inputs.clone());
-        instance.insert("note".to_owned(), json!(self.attached.effect.title));
-        put(&mut edits, self.patch, "elements", &self.name, Value::Object(instance));
+        let others = self.others.iter().map(|(name, inputs)| (name, inputs));
+        for (name, inputs) in [(&self.name, &self.inputs)].into_iter().chain(others) {
+            let mut instance = Map::new();
+            instance.insert("kind".to_owned(), json!(macro_name));
+            instance.extend(inputs.clone());
+            instance.insert("note".to_owned(), json!(self.attached.effect.title));
+            put(&mut edits, self.patch, "elements", name, Value::Object(instance));
+        }
         for (name, element) in &self.elements {
             put(&mut edits, self.patch, "elements", name, element.clone());
         }

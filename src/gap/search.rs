@@ -176,7 +176,8 @@ const STANDS_OUT: f64 = 3.0;
 const CURVE: f64 = 0.5;
 /// Residuals further than this from white noise are not noise.
 const COLOURED: f64 = 4.0;
-/// So large a share of the gap may be left of an effect whose law has another shape than the library's.
+/// So large a share of the gap may be left of an effect whose law has another shape than the library's; what several leave
+/// adds up in squares.
 const MOST_LEFT: f64 = 0.3;
 
 impl Problem {
@@ -342,11 +343,12 @@ impl Problem {
 
     fn verdict(&self, stage: &Stage, rounds: &[Round], left: f64, blind: Option<Blind>) -> Verdict {
         let taken = rounds.iter().filter(|round| round.taken);
+        let most_left = MOST_LEFT * (taken.clone().count() as f64).sqrt();
         match (taken.clone().count(), leaves_structure(stage)) {
             (0, false) if blind.is_some() => Verdict::CannotJudge,
             (0, false) => Verdict::NothingMissing,
             (0, true) => Verdict::UnknownEffect,
-            (_, true) if left > MOST_LEFT => Verdict::UnknownEffect,
+            (_, true) if left > most_left => Verdict::UnknownEffect,
             _ if taken.clone().any(|round| round.tied > 1) => Verdict::Ambiguous,
             _ => Verdict::Named,
         }

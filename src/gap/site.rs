@@ -57,12 +57,12 @@ pub struct Sum {
     pub setting: Option<String>,
     /// The gain of the jack at the end of the way.
     pub gain: f64,
-    /// The element behind it on the way, and whether nothing else drives the integrator.
+    /// Where it comes from and goes to, if nothing else drives the integrator.
     pub total: Option<Total>,
 }
 
-/// The one cord through which everything comes that drives an integrator.
-#[derive(Debug, Clone, PartialEq)]
+/// A cord through which comes what drives an integrator.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Total {
     /// From where.
     pub from: String,

@@ -553,8 +553,14 @@ impl Problem {
                     .collect(),
                 offsets: home.offsets.clone(),
             };
+            let beside = before.into_iter().flat_map(|before| {
+                let (others, own) = before.knobs.split_at(home.knobs.len());
+                let moved = candidate.beside(own).into_iter();
+                moved.map(move |own| Point { knobs: [others, &own].concat(), ..before.clone() })
+            });
             let sure = candidate.without.iter().map(with).chain(before.cloned());
-            Starts { sure: sure.collect(), others: candidate.starts.iter().map(with).collect() }
+            let others = candidate.starts.iter().map(with).chain(beside);
+            Starts { sure: sure.collect(), others: others.collect() }
         };
         let from = From {
             starts: begun(&stage.train.point, asked.before.map(|before| &before.train.point)),

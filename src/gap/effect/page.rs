@@ -92,7 +92,7 @@ What a patch may lack, as fragments that can be wired into it: `patchcord effect
 of one. Each is a file in `patches/effects`; a folder of your own joins them with `--effects DIR`.
 
 A fragment attaches where the dimensions fit. `motion` is the input of an integrator that gives a velocity, `store` of one
-that gives something else, `sum` of either; `total` lies between all that drives an integrator and the integrator;
+that gives something else, `sum` of either; `total` lies between all that drives an integrator and the integrator, once for each cord;
 `drive` and `level` are cords of a drive and of a friction level. Fragments read `own`, what the integrator gives, `position`, its time
 integral, `load`, a force, `force`, one that is no drive, or `in`, what came through the cord. They give to the sum (`add`, `subtract`), to the brake of the integrator,
 which is true friction, to another junction (`add_to_next`), or on through the cord (`out`).
