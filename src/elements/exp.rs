@@ -1,6 +1,7 @@
 //! Exponential of a voltage.
 
 use crate::machines::Part;
+use crate::patch::Function;
 use crate::program::{Lowering, Register};
 
 use super::log::{LEVEL, PER_DECADE};
@@ -22,8 +23,7 @@ pub(super) static KIND: Kind = Kind {
 fn output_law(lowering: &mut Lowering<'_>) -> Register {
     let (input, per_decade) = (lowering.input("in"), lowering.get("per_decade"));
     let decades = lowering.divide(input, per_decade);
-    let ten = lowering.constant(10.0);
-    let ratio = lowering.power(ten, decades);
+    let ratio = lowering.call(Function::Exp10, decades);
     let level = lowering.get("reference");
     lowering.multiply(level, ratio)
 }

@@ -62,7 +62,7 @@ pub struct Trial {
     pub stage: Stage,
     /// By how much it is better than the patch without it: see [`Round::score`].
     pub score: f64,
-    /// How the best trial stands above it, on all records.
+    /// How the best trial stands above it.
     pub behind: Advantage,
 }
 
@@ -276,7 +276,7 @@ impl Problem {
         with: &Means<'_>,
         progress: &mut impl FnMut(Progress),
     ) -> Result<Come, ModelError> {
-        let mut place = 0;
+        let (mut place, have_stood) = (0, others_stand);
         while come.effects.len() > 1 && place < come.effects.len() {
             if others_stand && place + 1 == come.effects.len() {
                 break;
@@ -286,13 +286,15 @@ impl Problem {
             let Some((kept, without)) = self.joined(base, &others, with.library)? else { break };
             let is_needed = leaves_structure(&without);
             let again = is_needed.then(|| self.round(&without, &kept, with, progress)).transpose()?;
-            match again.filter(|again| again.taken) {
-                Some(again) => {
+            match again {
+                Some(again) if again.taken => {
                     others_stand &= again.trials[0].candidate.is_same(&come.effects[place]);
                     come.replace(place, kept, again);
                     place += 1;
                 }
-                None => {
+                // Others that leave far more without it do not make needless what stood when it was found.
+                Some(again) if have_stood && again.closed() > LEAST_CLOSED => place += 1,
+                _ => {
                     come.rounds.remove(place);
                     (come.effects, come.stage) = (kept, without);
                     others_stand = false;
@@ -529,6 +531,22 @@ impl LeftOut {
     }
 }
 
+impl Trial {
+    /// How many numbers are fitted.
+    fn numbers(&self) -> usize {
+        self.stage.version.fit.len()
+    }
+
+    /// How another stands above it, on all records. What has changed by the time of the test blurs that: where the other leaves
+    /// structure with no more numbers, the records that both were fitted to say it, unless the test is on this one's side.
+    fn behind(&self, other: &Trial) -> Advantage {
+        let train = advantage(&self.stage.train, &other.stage.train);
+        let all = train.and(advantage(&self.stage.test, &other.stage.test));
+        let is_fair = other.numbers() <= self.numbers() && leaves_structure(&other.stage);
+        if is_fair && all.sum > 0.0 && train.ratio() > all.ratio() { train } else { all }
+    }
+}
+
 impl Round {
     /// Judges the trials again with a better fit of the one that was taken; what is best then, if it still is to be taken.
     fn refit(&mut self, taken: Stage) -> Option<Trial> {
@@ -599,10 +617,10 @@ impl Round {
         // What explains all the data better, those held back with those it was fitted to, is better than its score.
         let ahead = (1..self.trials.len()).filter(|place| self.is_ahead(&self.trials[*place]));
         let ratio = |place: &usize| self.trials[*place].behind.ratio();
-        if let Some(place) = ahead.min_by(|a, b| ratio(a).total_cmp(&ratio(b))) {
-            self.trials[..=place].rotate_right(1);
-            self.compare();
-        }
+        self.put_first(ahead.min_by(|a, b| ratio(a).total_cmp(&ratio(b))));
+        // What needs fewer numbers and explains all the data no worse is to be preferred.
+        let simpler = (1..self.trials.len()).find(|place| self.is_simpler(&self.trials[*place]));
+        self.put_first(simpler);
         let Some(best) = self.trials.first() else { return };
         self.confirmed = advantage(&self.before.test, &best.stage.test);
         let shows = best.score > self.needed && self.closes_enough();
@@ -614,19 +632,30 @@ impl Round {
         self.tied = 1 + self.trials.iter().skip(1).filter(|trial| self.is_tied(trial)).count();
     }
 
+    /// Puts a trial before those that stand before it.
+    fn put_first(&mut self, place: Option<usize>) {
+        if let Some(place) = place {
+            self.trials[..=place].rotate_right(1);
+            self.compare();
+        }
+    }
+
     fn compare(&mut self) {
-        let behind = |trial: &Trial| {
-            let best = &self.trials[0].stage;
-            advantage(&trial.stage.train, &best.train).and(advantage(&trial.stage.test, &best.test))
-        };
-        let behind: Vec<Advantage> = self.trials.iter().map(behind).collect();
+        let behind: Vec<Advantage> = self.trials.iter().map(|trial| trial.behind(&self.trials[0])).collect();
         self.trials.iter_mut().zip(behind).for_each(|(trial, behind)| trial.behind = behind);
     }
 
     fn is_ahead(&self, trial: &Trial) -> bool {
-        let numbers = |trial: &Trial| trial.stage.version.fit.len() as f64;
-        let price = self.price * (numbers(trial) - numbers(&self.trials[0]));
+        let price = self.price * (trial.numbers() as f64 - self.trials[0].numbers() as f64);
         trial.score > self.needed && trial.behind.ratio() < -APART && -trial.behind.sum > price
+    }
+
+    /// Whether a trial does with fewer numbers as well as the best, where that leaves structure: there more numbers follow what
+    /// neither explains.
+    fn is_simpler(&self, trial: &Trial) -> bool {
+        let best = &self.trials[0];
+        let has_fewer = trial.numbers() < best.numbers() && leaves_structure(&best.stage);
+        has_fewer && trial.score > self.needed && trial.behind.sum <= 0.0
     }
 
     /// Whether all other effects leave far more than the best.
@@ -641,8 +670,9 @@ impl Round {
     pub(super) fn is_tied(&self, trial: &Trial) -> bool {
         let best = &self.trials[0];
         // One that needs more numbers has to be worth them.
-        let is_simple = trial.stage.version.fit.len() <= best.stage.version.fit.len();
-        let is_near = best.score - trial.score < APART_BY || is_simple;
+        let is_simple = trial.numbers() <= best.numbers();
+        let is_worth_them = trial.behind.sum < 0.0 || !leaves_structure(&best.stage);
+        let is_near = best.score - trial.score < APART_BY && is_worth_them || is_simple;
         let is_near = is_near && trial.behind.ratio() < APART;
         // What leaves structure where another leaves noise, or far less structure, is no rival.
         let leaves_far_more = |of: fn(&Stage) -> &Fitted| {
@@ -651,5 +681,84 @@ impl Round {
         let is_far = leaves_far_more(|stage| &stage.train) && leaves_far_more(|stage| &stage.test);
         let is_as_good = !leaves_structure(&trial.stage) || leaves_structure(&best.stage) && !is_far;
         trial.candidate.effect != best.candidate.effect && trial.score > self.needed && is_near && is_as_good
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::gap::Experiment;
+
+    /// A pump at its limit, wired where it is missing and looked at quickly: what a trial is made of.
+    fn any() -> (Candidate, Stage) {
+        let path = Path::new("tests/gap/hidden/saturation/experiment.json");
+        let experiment = Experiment::read(path).unwrap_or_else(|error| panic!("{error}"));
+        let problem = Problem::of(&experiment).unwrap();
+        let base = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
+        let (sites, peaks) = (problem.sites(&base).unwrap(), problem.peaks(&base).unwrap());
+        let library = Library::shipped();
+        let mut all = library.iter().flat_map(|effect| Attached::all(effect, &sites));
+        let limit = all.find(|own| own.effect.name == "saturation").unwrap();
+        let asked = Asked { effort: Effort::QUICK, wanted: f64::INFINITY, before: None };
+        problem.attempt(&base, &limit, &peaks, asked).unwrap()
+    }
+
+    /// A trial of so many numbers that leaves slow waves, of one height in training, of two in turn in the test.
+    fn trial(
+        like: &(Candidate, Stage),
+        name: &str,
+        numbers: usize,
+        train: f64,
+        test: [f64; 2],
+    ) -> (Candidate, Stage) {
+        let (mut candidate, mut stage) = like.clone();
+        name.clone_into(&mut candidate.effect);
+        stage.version.fit = (0..numbers).map(|number| format!("p{number}")).collect();
+        for (fitted, heights) in [(&mut stage.train, [train; 2]), (&mut stage.test, test)] {
+            let wave = (0..2000_u32).map(|k| heights[(k / 100 % 2) as usize] * (0.2 * f64::from(k)).sin());
+            fitted.residuals = vec![vec![wave.collect()]];
+            fitted.chi2 = fitted.residuals[0][0].iter().map(|own| own * own).sum();
+            fitted.count = 2000;
+        }
+        (stage.colour, stage.memory) = (100.0, 20.0);
+        (candidate, stage)
+    }
+
+    /// The best of a round, and how many the data cannot tell apart.
+    fn judged(like: &(Candidate, Stage), tried: Vec<(Candidate, Stage)>) -> (String, usize) {
+        let (_, before) = trial(like, "", 2, 100.0, [100.0; 2]);
+        let round = Round::of(&before, true, tried);
+        (round.trials[0].candidate.effect.clone(), round.tied)
+    }
+
+    #[test]
+    fn where_structure_is_left_the_simpler_goes_before_what_is_no_better() {
+        let like = any();
+        let of = |test: [f64; 2], colour: f64| {
+            let mut rich = trial(&like, "rich", 4, 9.0, test);
+            rich.1.colour = colour;
+            judged(&like, vec![trial(&like, "simple", 3, 10.0, [20.0; 2]), rich])
+        };
+        assert_eq!(of([28.6, 5.0], 100.0), ("simple".to_owned(), 1));
+        // What is better, though not beyond doubt, or leaves but noise, is not put behind.
+        assert_eq!(of([28.0, 5.0], 100.0), ("rich".to_owned(), 2));
+        assert_eq!(of([28.6, 5.0], 0.0), ("rich".to_owned(), 1));
+    }
+
+    #[test]
+    fn where_structure_is_left_training_tells_apart_what_the_test_blurs() {
+        let like = any();
+        let of = |rival: [f64; 2], colour: f64| {
+            let mut best = trial(&like, "best", 3, 10.0, [30.0, 10.0]);
+            let mut rival = trial(&like, "rival", 3, 12.0, rival);
+            (best.1.colour, rival.1.colour) = (colour, colour);
+            judged(&like, vec![best, rival])
+        };
+        assert_eq!(of([10.0, 30.0], 100.0), ("best".to_owned(), 1));
+        // The test is on the rival's side, or nothing but noise is left.
+        assert_eq!(of([10.0, 28.0], 100.0), ("best".to_owned(), 2));
+        assert_eq!(of([10.0, 30.0], 0.0), ("best".to_owned(), 2));
     }
 }

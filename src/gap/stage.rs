@@ -369,7 +369,8 @@ impl Problem {
             false => {
                 let glanced = self.at_a_glance(&version, &glance, &starts, from.effort)?;
                 let once = Task { most_rounds: 1, ..task };
-                glanced.and_then(|point| once.reached(&point)).map(|reached| reached.point)
+                let settled = glanced.and_then(|point| task.settled(&point));
+                settled.and_then(|point| once.reached(&point)).map(|reached| reached.point)
             }
         };
         let Some(train) = best.and_then(|point| task.told(&point)) else { return Ok(None) };

@@ -22,6 +22,8 @@ pub enum Function {
     Atan2,
     /// The exponential function.
     Exp,
+    /// 10 to the power of the argument.
+    Exp10,
     /// The natural logarithm.
     Ln,
     /// The logarithm to base 10.
@@ -58,7 +60,7 @@ enum Shape {
 }
 
 // In the order of the enumeration, which is used as the index.
-static TABLE: [Entry; 12] = [
+static TABLE: [Entry; 13] = [
     Entry {
         function: Function::Sqrt,
         name: "sqrt",
@@ -133,6 +135,16 @@ static TABLE: [Entry; 12] = [
         domain: None,
         value: |a, _| libm::exp(a),
         derivative: |a, _| (libm::exp(a), 0.0),
+        shape: Shape::Monotonic,
+    },
+    Entry {
+        function: Function::Exp10,
+        name: "exp10",
+        arguments: 1,
+        meaning: "10 to the power of a",
+        domain: None,
+        value: |a, _| libm::exp10(a),
+        derivative: |a, _| (LN_10 * libm::exp10(a), 0.0),
         shape: Shape::Monotonic,
     },
     Entry {
@@ -298,6 +310,7 @@ mod tests {
         assert_eq!(Function::Sqrt.apply(9.0, 0.0), 3.0);
         assert_eq!(Function::Power.apply(2.0, 10.0), 1024.0);
         assert_eq!(Function::Log10.apply(1000.0, 0.0), 3.0);
+        assert_eq!(Function::Exp10.apply(3.0, 0.0), 1000.0);
         assert_eq!(Function::Atan2.apply(1.0, 0.0), std::f64::consts::FRAC_PI_2);
         assert!(Function::Sqrt.apply(-1.0, 0.0).is_nan());
     }

@@ -196,11 +196,6 @@ impl Lowering<'_> {
         self.emit(Op::Call(function, a, a))
     }
 
-    /// A base to the power of an exponent.
-    pub fn power(&mut self, base: Register, exponent: Register) -> Register {
-        self.emit(Op::Call(Function::Power, base, exponent))
-    }
-
     /// The whole number at or below.
     pub fn floor(&mut self, a: Register) -> Register {
         self.call(Function::Floor, a)
