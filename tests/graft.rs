@@ -361,6 +361,7 @@ fn a_wrong_effect_is_told_with_its_places() {
     for key in ["title", "law", "physics", "source", "excitation", "forms"] {
         assert!(found.contains(&format!("an effect needs \"{key}\"")), "{found}");
     }
+    assert!(told("{\"x\": 1}").contains("an effect needs \"effect\""));
     let good = std::fs::read_to_string("patches/effects/viscous-friction.json").unwrap();
     let wrong = [
         ("\"motion\"", "\"moton\"", "\"moton\" is none of motion, store, sum, drive, level, total"),

@@ -55,8 +55,8 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
             false => say(&gap_check::told(&experiment)),
         };
     }
-    let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, &experiment)).transpose()?;
     let library = effects::known(arguments.effects.as_deref())?;
+    let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, &experiment)).transpose()?;
     let (problem, outcome) = searched(arguments, &experiment, &library)?;
     let mut document = outcome.document(&problem);
     let told = Told { experiment: &experiment, problem: &problem, outcome: &outcome, library: &library };

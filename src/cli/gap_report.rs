@@ -14,6 +14,7 @@ const TOLD: usize = 8;
 pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome) -> String {
     let mut text = format!("{}: {}\n", experiment.file, outcome.sentence());
     text += &format!("\n{}", parameters(outcome.told()).text());
+    text.extend(outcome.told().untold().map(|own| format!("{own}\n")));
     text += &format!("\n{}", gaps(problem, outcome).text());
     if !outcome.agreement.is_same {
         text += &format!("\nbefore: {}\n", outcome.agreement.sentence());
@@ -33,8 +34,8 @@ fn parameters(stage: &Stage) -> Table {
     let mut table = Table::new(["fitted", "value", "standard error", "unit"]);
     for (place, name) in stage.version.fit.iter().enumerate() {
         let unit = stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
-        let cells = [stage.train.point.knobs[place], stage.error(place)].map(number);
-        table.row([name.clone(), cells[0].clone(), cells[1].clone(), unit.to_owned()]);
+        let value = number(stage.train.point.knobs[place]);
+        table.row([name.clone(), value, stage.error_told(place), unit.to_owned()]);
     }
     table
 }

@@ -433,7 +433,11 @@ impl Task<'_> {
         });
         let residuals: Vec<Vec<Vec<f64>>> = residuals.collect();
         let count = residuals.iter().flatten().flatten().filter(|value| !value.is_nan()).count();
-        let free: Vec<usize> = (0..at.len()).filter(|index| self.is_free(*index)).collect();
+        let way = |index: usize| {
+            let [least, most] = self.bounds(index);
+            (index, most - least)
+        };
+        let free: Vec<_> = (0..at.len()).filter(|index| self.is_free(*index)).map(way).collect();
         let spread = Spread::of(&normal, &free);
         // A block is bent by its own record's initial voltages, not by those of others.
         let bent = free.len() - (self.records.len() - 1) * self.model.initial.len();

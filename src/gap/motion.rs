@@ -67,17 +67,39 @@ pub(super) fn check(made: &Experiment, document: &Document, findings: &mut Findi
 }
 
 impl Column<'_> {
-    /// That it never moves, or not where it is trained on.
+    /// That it never moves, or not where it has to: a drive may rest in the test.
     fn still(&self) -> Option<Diagnostic> {
+        let is_drive = self.noun == "drive";
+        let warning = |message| Some(Diagnostic::at(Code::StillPart, self.wire.column.span, message));
+        match [self.trained.moves(), self.tested.moves()] {
+            _ if !self.trained.with(self.tested).moves() => Some(self.never_moves()),
+            [false, _] if is_drive => warning(self.stands(self.trained, "train on")),
+            [false, _] => {
+                let message =
+                    format!("{}: nothing can be fitted to it", self.stands(self.trained, "train on"));
+                let own = Diagnostic::at(Code::ConstantColumn, self.wire.column.span, message);
+                Some(own.hint("train on a part in which it moves, or leave it out"))
+            }
+            [true, false] if !is_drive => warning(self.stands(self.tested, "test on")),
+            [true, _] => None,
+        }
+    }
+
+    fn stands(&self, extent: Extent, part: &str) -> String {
+        format!(
+            "the column {} is {} throughout the part to {part}",
+            self.wire.column.value,
+            self.least(extent)
+        )
+    }
+
+    fn least(&self, extent: Extent) -> String {
+        format!("{}{}", told(extent.least), behind(self.unit.text()))
+    }
+
+    fn never_moves(&self) -> Diagnostic {
         let Wire { name, column, .. } = self.wire;
-        if self.trained.moves() {
-            return None;
-        }
-        let value = format!("{}{}", told(self.trained.least), behind(self.unit.text()));
-        if self.trained.with(self.tested).moves() {
-            let message = format!("the column {} is {value} throughout the part to train on", column.value);
-            return Some(Diagnostic::at(Code::StillPart, column.span, message));
-        }
+        let value = self.least(self.trained);
         let message = format!("the column {} never moves: it is {value} throughout", column.value);
         let hint = match self.noun {
             "drive" => format!(
@@ -86,7 +108,7 @@ impl Column<'_> {
             ),
             _ => "name the column that was meant, or leave it out: it tells nothing".to_owned(),
         };
-        Some(Diagnostic::at(Code::ConstantColumn, column.span, message).hint(hint))
+        Diagnostic::at(Code::ConstantColumn, column.span, message).hint(hint)
     }
 
     /// That the machine cannot hold it.

@@ -3,8 +3,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Eigenvalues of the normal matrix below this share of the largest tell of nothing.
-const LEAST_TOLD: f64 = 1e-12;
+/// What is added to the scaled normal matrix of a step at least, so that it can be solved.
+const LEAST_DAMPING: f64 = 1e-12;
+/// Eigenvalues of the normal matrix below this share of the largest tell of nothing: derivatives are not known better.
+const LEAST_TOLD: f64 = 1e-10;
+/// A coordinate that may go this share of its way, unnoticed, may be anything.
+const ANYTHING: f64 = 0.05;
 
 /// The derivatives of residuals by a coordinate, behind its place.
 pub(super) type Column = (usize, Vec<f64>);
@@ -50,7 +54,7 @@ impl Normal {
     pub(super) fn solved(&self, free: &[usize], damping: f64) -> DVector<f64> {
         let count = free.len();
         let (units, mut matrix) = self.scaled(free);
-        (0..count).for_each(|place| matrix[(place, place)] += damping + LEAST_TOLD);
+        (0..count).for_each(|place| matrix[(place, place)] += damping + LEAST_DAMPING);
         let gradient = DVector::from_fn(count, |row, _| -self.gradient[free[row]] * units[row]);
         let solved = matrix.cholesky().map(|cholesky| cholesky.solve(&gradient));
         let solved = solved.unwrap_or_else(|| gradient * (1.0 / (1.0 + damping)));
@@ -62,26 +66,45 @@ impl Normal {
 pub(super) struct Spread {
     /// How many coordinates there are.
     count: usize,
-    /// Those that the data tell of.
+    /// Those that move what was measured.
     told: Vec<usize>,
     /// In whose units every coordinate tells as much.
     units: Vec<f64>,
     /// A root of the inverse of their normal matrix, in these units: the inverse is this times its transpose.
     root: DMatrix<f64>,
+    /// How far they may go, in these units, in directions that the data do not tell of: until one has gone all its way,
+    loose: Vec<f64>,
+    /// and whether that is so far that they may be anything.
+    is_anything: Vec<bool>,
 }
 
 impl Spread {
-    /// That of these coordinates.
-    pub(super) fn of(normal: &Normal, free: &[usize]) -> Spread {
-        let is_told = |index: &usize| normal.matrix[(*index, *index)] > 0.0;
-        let told: Vec<usize> = free.iter().copied().filter(is_told).collect();
+    /// That of these coordinates, each with how long its way is.
+    pub(super) fn of(normal: &Normal, free: &[(usize, f64)]) -> Spread {
+        let is_told = |(index, _): &&(usize, f64)| normal.matrix[(*index, *index)] > 0.0;
+        let (told, ways): (Vec<usize>, Vec<f64>) = free.iter().filter(is_told).copied().unzip();
         let (units, scaled) = normal.scaled(&told);
-        let mut eigen = scaled.symmetric_eigen();
-        let least = LEAST_TOLD * eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
-        for (mut vector, value) in eigen.eigenvectors.column_iter_mut().zip(&eigen.eigenvalues) {
-            vector /= value.max(least).sqrt();
+        let mut root = DMatrix::zeros(told.len(), told.len());
+        let mut loose = vec![0.0_f64; told.len()];
+        // There is no decomposition of nothing.
+        if !told.is_empty() {
+            let eigen = scaled.symmetric_eigen();
+            let least = LEAST_TOLD * eigen.eigenvalues.max();
+            let directions = eigen.eigenvectors.column_iter().zip(&eigen.eigenvalues);
+            for (place, (vector, value)) in directions.enumerate() {
+                if *value > least {
+                    root.set_column(place, &(vector / value.sqrt()));
+                } else {
+                    let each = vector.iter().zip(&units).zip(&ways);
+                    let length = each.map(|((part, unit), way)| way / (part * unit).abs());
+                    let length = length.fold(f64::INFINITY, f64::min);
+                    loose.iter_mut().zip(&vector).for_each(|(own, part)| *own = own.hypot(length * part));
+                }
+            }
         }
-        Spread { count: normal.gradient.len(), told, units, root: eigen.eigenvectors }
+        let goes = loose.iter().zip(&units).zip(&ways);
+        let is_anything = goes.map(|((own, unit), way)| own * unit > ANYTHING * way).collect();
+        Spread { count: normal.gradient.len(), told, units, root, loose, is_anything }
     }
 
     /// Standard errors where the noise is white.
@@ -108,7 +131,9 @@ impl Spread {
     fn each(&self, of: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut all = vec![f64::INFINITY; self.count];
         for (row, (index, unit)) in self.told.iter().zip(&self.units).enumerate() {
-            all[*index] = of(row) * unit;
+            if !self.is_anything[row] {
+                all[*index] = of(row).hypot(self.loose[row]) * unit;
+            }
         }
         all
     }
@@ -136,13 +161,29 @@ mod tests {
         let mut normal = Normal::empty(2);
         let column = |value: f64| vec![value; residuals.len()];
         normal.add(&[(0, column(-1.0)), (1, column(0.0))], residuals);
-        Spread::of(&normal, &[0, 1])
+        Spread::of(&normal, &[(0, 1.0), (1, 1.0)])
     }
 
     #[test]
     fn mean_is_as_good_as_the_root_of_the_count() {
         let errors = spread(&[1.0; 100]).errors();
         assert!((errors[0] - 0.1).abs() < 1e-12 && errors[1].is_infinite(), "{errors:?}");
+    }
+
+    #[test]
+    fn what_others_follow_is_not_told_and_the_rest_is() {
+        let mut normal = Normal::empty(3);
+        let wave = |rate: f64| (0..100).map(|k| (rate * f64::from(k)).sin()).collect::<Vec<_>>();
+        normal.add(&[(0, wave(0.1)), (1, wave(0.1)), (2, wave(1.3))], &wave(0.7));
+        let errors = Spread::of(&normal, &[(0, 1.0), (1, 1.0), (2, 1.0)]).errors();
+        assert!(errors[0].is_infinite() && errors[1].is_infinite(), "{errors:?}");
+        assert!((errors[2] - 50.0_f64.sqrt().recip()).abs() < 2e-3, "{errors:?}");
+    }
+
+    #[test]
+    fn where_nothing_moves_nothing_is_told() {
+        let errors = Spread::of(&Normal::empty(2), &[(0, 1.0), (1, 1.0)]).errors();
+        assert_eq!(errors, [f64::INFINITY; 2]);
     }
 
     #[test]

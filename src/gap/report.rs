@@ -14,6 +14,26 @@ use crate::instruments::number;
 /// The standard errors, from twenty blocks, on either side of a value between which it lies in 95 of 100 cases: Student.
 pub(super) const TWO_SIDED_95: f64 = 2.09;
 
+impl Stage {
+    /// The standard error of what is fitted at a place, in words.
+    pub fn error_told(&self, place: usize) -> String {
+        let error = self.error(place);
+        if error.is_finite() { number(error) } else { "not told".to_owned() }
+    }
+
+    /// What the data do not tell of what is fitted, in a sentence; nothing where they tell of all.
+    pub fn untold(&self) -> Option<String> {
+        let untold = self.version.fit.iter().enumerate().filter(|(place, _)| !self.error(*place).is_finite());
+        let names: Vec<&str> = untold.map(|(_, name)| name.as_str()).collect();
+        let why = match names.as_slice() {
+            [] => return None,
+            [_] => "its value changes nothing, or what it changes others can make up for",
+            _ => "their values change nothing, or can be changed together and leave the same",
+        };
+        Some(format!("These data do not tell {}: {why}.", names.join(", ")))
+    }
+}
+
 impl Outcome {
     /// The stage that is told of: the last one where something is named, else the patch as it was.
     pub fn told(&self) -> &Stage {

@@ -135,8 +135,8 @@ codes! {
         "look whether the recorder lost them; what was measured then is left out";
     SharedSamples "shared-samples" Warning "Samples that are both trained and tested on."
         "keep the two apart: what was fitted to proves nothing";
-    StillPart "still-part" Warning "A column that does not move in the part to train on."
-        "train on a part in which it does";
+    StillPart "still-part" Warning "A column that does not move in the part to train or to test on."
+        "take a part in which it does";
     BeyondScale "beyond-scale" Warning "Data for which 100 V of their scale are not enough."
         "let a volt of the scale stand for more";
 }

@@ -245,8 +245,13 @@ impl Reader<'_> {
 
     fn row(&mut self, columns: &Columns, fields: &[String]) {
         if fields.len() != columns.count {
-            let what = format!("has {} fields, and the line of names {}", fields.len(), columns.count);
-            return self.fault(&what, "write points in the numbers, not commas, and a field for every name");
+            let noun = if fields.len() == 1 { "field" } else { "fields" };
+            let what = format!("has {} {noun}, and the line of names {}", fields.len(), columns.count);
+            let hint = match fields.len() > columns.count {
+                true => "write points in the numbers, not commas, and a field for every name",
+                false => "write a field for every name; the line may have been cut off",
+            };
+            return self.fault(&what, hint);
         }
         self.row.clear();
         for (index, place) in columns.places.iter().enumerate() {
@@ -414,7 +419,7 @@ mod tests {
             ("t,x\n0,\n", "line 2 of FILE has \"\" where a number is needed"),
             ("t,x\n0,NaN\n", "line 2 of FILE has \"NaN\" where a number is needed"),
             ("t,x\n0,1e999\n", "line 2 of FILE has \"1e999\" where a number is needed"),
-            ("t,x\n\"0,1\n", "line 2 of FILE has 1 fields"),
+            ("t,x\n\"0,1\n", "line 2 of FILE has 1 field, and the line of names 2; write a field"),
             ("t,x\r0,1\r", "line 1 of FILE holds a carriage return"),
             ("t\0,\0x\0\n", "line 1 of FILE holds signs that are no text; name a CSV file"),
         ];

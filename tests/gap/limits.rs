@@ -101,3 +101,22 @@ fn a_few_samples_cannot_be_judged() {
     );
     assert!(found.document(&problem)["limits"].as_array().unwrap().iter().all(|own| own["seen"] == false));
 }
+
+/// A free swing tells of the shares of stiffness and damping in the mass, and a force of the mass.
+#[test]
+fn what_can_be_changed_together_is_told() {
+    let swing = |sample: usize| {
+        let time = INTERVAL * sample as f64;
+        0.02 * (-0.5 * time).exp() * (12.0 * time).cos()
+    };
+    let stood: Vec<f64> = (0..800).map(swing).collect();
+    let untold = |force: f64| {
+        let forces: Vec<f64> = (0..800).map(|sample| force * f64::from(sample % 100)).collect();
+        let (experiment, problem) = measured(&forces, &stood);
+        let base = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
+        base.untold()
+    };
+    let told = untold(1e-9).unwrap();
+    assert!(told.starts_with("These data do not tell M, k, c: their values"), "{told}");
+    assert_eq!(untold(0.1), None);
+}

@@ -30,8 +30,9 @@ impl Effect {
 
 fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> {
     let mut fields = Fields::of(root, "an effect", findings)?;
-    let version = fields.need("effect", "the version of the format: 1")?;
-    if number(version, "effect", findings).is_some_and(|version| version != FORMAT) {
+    if let Some(version) = fields.need("effect", "the version of the format: 1")
+        && number(version, "effect", findings).is_some_and(|version| version != FORMAT)
+    {
         let message = "this program reads version 1 of the format of effects";
         findings.push(Diagnostic::at(Code::UnknownVersion, version.span, message));
     }

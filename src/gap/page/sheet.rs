@@ -43,10 +43,11 @@ pub(super) fn parameters(stage: &Stage) -> String {
     let rows = stage.version.fit.iter().enumerate().map(|(place, name)| {
         let known = stage.version.patch.parameters.get(name);
         let (unit, what) = known.map_or(("1", ""), |own| (own.unit.text(), own.description.as_str()));
-        let [value, error] = [stage.train.point.knobs[place], stage.error(place)].map(number);
+        let (value, error) = (number(stage.train.point.knobs[place]), stage.error_told(place));
         (false, vec![escaped(name), value, error, escaped(unit), escaped(what)])
     });
-    table(&["fitted", "value", "standard error", "unit", "what it is"], rows)
+    let untold = stage.untold().map(|own| format!("<p>{}</p>\n", escaped(&own)));
+    table(&["fitted", "value", "standard error", "unit", "what it is"], rows) + &untold.unwrap_or_default()
 }
 
 /// Pictures side by side, as far as there is room.
