@@ -311,6 +311,43 @@ fn a_weir_follows_its_law() {
     }
 }
 
+/// What is wired into a drive is itself wired behind what comes into that drive later.
+#[test]
+fn two_effects_in_one_drive_both_act() {
+    let (mass, library) = (mass(false), library());
+    let wired = |patch: &Patch, effect: &str, note: &str| {
+        let sites = sites(patch);
+        let all = Attached::all(library.get(effect).unwrap(), &sites);
+        candidate(all.iter().find(|own| own.form.note.contains(note)).unwrap(), patch)
+    };
+    let limited = wired(&mass, "saturation", "hard");
+    let both = wired(&limited.graft.patch, "drive-dead-zone", "");
+    let (l, b) = (4.0, 3.0);
+    let set = [("L", l), ("b", b)].map(|(name, value)| (name.to_owned(), value));
+    let found = velocity(&both.graft.patch, &set);
+    let rates =
+        |t: f64, [_]: [f64; 1]| [(push(t).signum() * (push(t).abs() - b).max(0.0)).clamp(-l, l) / 2.0];
+    let exact: Vec<f64> =
+        integrated([0.0], (0.01, 301), rates).into_iter().map(|[velocity]| velocity).collect();
+    assert_follows(&found, &exact, 1e-3);
+    let alone: Vec<f64> = velocity(&limited.graft.patch, &set[..1]);
+    assert!(alone.iter().zip(&found).any(|(alone, both)| (alone - both).abs() > 0.05));
+}
+
+/// Inverters that drive one another have no beginning; whoever looks for one comes back.
+#[test]
+fn inverters_in_a_ring_are_no_place_and_no_trap() {
+    let text = mass(false).text().replace(
+        r#""PM":"#,
+        r#""R1": {"kind": "inverter", "in": "R2"}, "R2": {"kind": "inverter", "in": "R1"},
+    "R3": {"kind": "inverter", "in": "R1"}, "IR": {"kind": "integrator", "in": {"x1": ["R3"]}}, "PM":"#,
+    );
+    let patch = Patch::parse("ring.json", &text).unwrap();
+    let circuit = Circuit::new(&patch, &[]).unwrap_or_else(|report| panic!("{report}"));
+    let sites = Sites::of(&circuit, &["F"]);
+    assert_eq!(sites.junctions.iter().map(|own| own.integrator.as_str()).collect::<Vec<_>>(), ["IV"]);
+}
+
 #[test]
 fn friction_that_grows_at_rest_is_torn_apart_as_it_slides() {
     assert_grows("settles, torn apart as soon", 3.0, |t| 1.0 - (-t).exp());
@@ -367,6 +404,7 @@ fn a_wrong_effect_is_told_with_its_places() {
         ("\"motion\"", "\"moton\"", "\"moton\" is none of motion, store, sum, drive, level, total"),
         ("\"range\": [", "\"range\": [9e9, ", "\"range\" takes two numbers, the second above the first"),
         ("\"reach\": \"", "\"reach\": \"+", "wrong.json:"),
+        ("\"at\": \"motion\",", "\"at\": \"motion\", \"free\": [\"A9\"],", "the form has no element A9"),
     ];
     for (old, new, message) in wrong {
         assert!(good.contains(old));

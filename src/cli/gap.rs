@@ -13,6 +13,7 @@ use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
 use patchcord::gap::page::Told;
 use patchcord::gap::progress::{Part, Progress};
+use patchcord::gap::report::asked;
 use patchcord::gap::search::{Means, Outcome};
 use patchcord::gap::stage::Problem;
 
@@ -59,6 +60,7 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
     let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, &experiment)).transpose()?;
     let (problem, outcome) = searched(arguments, &experiment, &library)?;
     let mut document = outcome.document(&problem);
+    document["experiment"] = asked(&experiment, &problem, arguments.seed);
     let told = Told { experiment: &experiment, problem: &problem, outcome: &outcome, library: &library };
     let done = folder.map(|folder| folder.write(&told, &mut document)).transpose()?.unwrap_or_default();
     if arguments.json {

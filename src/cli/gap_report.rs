@@ -3,7 +3,8 @@
 use super::table::Table;
 use patchcord::gap::Experiment;
 use patchcord::gap::limits::{Limit, best_places};
-use patchcord::gap::search::{Outcome, Round, Verdict};
+use patchcord::gap::round::Round;
+use patchcord::gap::search::{Outcome, Verdict};
 use patchcord::gap::stage::{Problem, Stage};
 use patchcord::gap::whereabouts::{self, Whereabouts};
 use patchcord::instruments::number;

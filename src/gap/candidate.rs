@@ -13,6 +13,8 @@ const MOST_STARTS: usize = 16;
 const MOST_SHAPES: usize = 12;
 /// A parameter that begins at so many values or more has many valleys.
 const COMB: usize = 8;
+/// They lie as far apart as the first two, but for this share.
+const UNEVEN: f64 = 1e-6;
 /// By these shares of the way from one of them to the next a fit is moved, to see whether it ended in the wrong one.
 const BESIDE: [f64; 4] = [0.1, 0.2, 0.35, 0.5];
 
@@ -76,7 +78,7 @@ impl Candidate {
             without: over_shapes(none.into_iter().collect(), MOST_SHAPES),
             starts: over_shapes(starts, MOST_STARTS),
             none,
-            combs: measured.iter().map(Measured::comb).collect(),
+            combs: measured.iter().map(|own| own.comb).collect(),
         }))
     }
 
@@ -97,10 +99,7 @@ impl Candidate {
 
     /// Whether it is this effect at this place.
     pub fn is(&self, attached: &Attached<'_>) -> bool {
-        self.effect == attached.effect.name
-            && self.form == attached.number()
-            && self.junction == attached.junction()
-            && self.reads == attached.reads()
+        self.is_the(&attached.effect.name, attached.number(), attached.junction(), &attached.reads())
     }
 
     /// The effect and where it acts.
@@ -110,10 +109,11 @@ impl Candidate {
 
     /// Whether another is the same effect at the same place.
     pub fn is_same(&self, other: &Candidate) -> bool {
-        self.effect == other.effect
-            && self.form == other.form
-            && self.junction == other.junction
-            && self.reads == other.reads
+        self.is_the(&other.effect, other.form, &other.junction, &other.reads)
+    }
+
+    fn is_the(&self, effect: &str, form: usize, junction: &str, reads: &[String]) -> bool {
+        self.effect == effect && self.form == form && self.junction == junction && self.reads == reads
     }
 
     /// Steps from sample to sample without which its least time would be shorter than a step.
@@ -157,14 +157,19 @@ struct Measured {
     /// The value at which there is no effect.
     none: Option<f64>,
     starts: Vec<f64>,
+    /// How far these lie apart, where they are many.
+    comb: Option<f64>,
+}
+
+/// How far many values lie apart, all alike.
+fn comb(starts: &[f64]) -> Option<f64> {
+    let apart: Vec<f64> = starts.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let first = *apart.first().filter(|_| starts.len() >= COMB)?;
+    let is_even = apart.iter().all(|own| (own - first).abs() < UNEVEN * first.abs());
+    is_even.then(|| first.abs())
 }
 
 impl Measured {
-    /// How far the values lie apart from which fits begin, where they are many.
-    fn comb(&self) -> Option<f64> {
-        (self.starts.len() >= COMB).then(|| (self.starts[1] - self.starts[0]).abs())
-    }
-
     fn of(name: &str, parameter: &EffectParameter, largest: &[Largest], peaks: &[f64]) -> Option<Measured> {
         let (size, unit) = reach(&parameter.reach, largest)?;
         // Where something that it is measured in never leaves zero, it has nothing to act on.
@@ -187,6 +192,7 @@ impl Measured {
             range,
         };
         let none = parameter.none.map(|none| none * size);
-        Some(Measured { brought, none, starts })
+        let comb = matches!(parameter.start, Start::Values(_)).then(|| comb(&starts)).flatten();
+        Some(Measured { brought, none, starts, comb })
     }
 }

@@ -8,6 +8,8 @@ use nalgebra::DVector;
 use super::model::{Choice, Course, Knob, Model};
 use super::normal::{Column, Normal, Spread, product};
 use super::record::Record;
+use super::score::{in_blocks, together};
+use crate::machines::REFERENCE;
 
 /// What is fitted to what.
 #[derive(Debug, Clone, Copy)]
@@ -26,8 +28,6 @@ pub struct Task<'a> {
     pub wanted: f64,
     /// So often the derivatives are worked out at most.
     pub most_rounds: usize,
-    /// The share of every record that is looked at, from its beginning.
-    pub until: f64,
     /// A fit has ended when a round lowers the sum of squares by less than this share of it, or by less than matters.
     pub settled: f64,
 }
@@ -81,7 +81,7 @@ impl Fitted {
 
     /// What no noise explains of that: nothing, or next to it, where the model is right.
     pub fn unexplained(&self) -> f64 {
-        (self.reduced() - 1.0).max(1e-6)
+        unexplained(self.chi2, self.count)
     }
 
     /// What is left, rms over the noise.
@@ -95,6 +95,13 @@ impl Fitted {
     }
 }
 
+/// What no noise explains of a sum of so many squares, each.
+pub(super) fn unexplained(chi2: f64, count: usize) -> f64 {
+    (chi2 / count as f64 - 1.0).max(NEXT_TO_NOTHING)
+}
+
+/// What is left unexplained counts as no less than this.
+const NEXT_TO_NOTHING: f64 = 1e-6;
 /// So often the derivatives are worked out at most, unless a task says otherwise.
 pub const MOST_ROUNDS: usize = 40;
 /// So many dampings are tried for a step at most.
@@ -109,8 +116,6 @@ pub const SETTLED_SHARE: f64 = 1e-6;
 const NUDGE: f64 = 1e-6;
 /// A coordinate that would change the squares by less than this, all its way, is left where it is.
 const LEAST_FELT: f64 = 1.0;
-/// Into so many blocks the records are cut, together, that may disagree about what is fitted.
-const BLOCKS: usize = 20;
 
 impl Point {
     /// Where the patch stands.
@@ -132,7 +137,21 @@ impl Task<'_> {
 
     /// A point with its initial voltages found and its knobs left alone; nothing where the model cannot be run there.
     pub(super) fn settled(&self, from: &Point) -> Option<Point> {
-        Task { turns: false, ..*self }.reached(from).map(|reached| reached.point)
+        let still = Task { turns: false, ..*self };
+        // Offsets hold for all records; where there are none, every record is on its own.
+        if self.offset.contains(&true) {
+            return still.reached(from).map(|reached| reached.point);
+        }
+        let initial = (0..self.records.len()).map(|record| still.begins(from, record));
+        Some(Point { initial: initial.collect::<Option<_>>()?, ..from.clone() })
+    }
+
+    /// The initial voltages of a record, found without the others.
+    fn begins(&self, from: &Point, record: usize) -> Option<Vec<f64>> {
+        let (model, records) = (self.model.alone(record), &self.records[record..=record]);
+        let alone = Task { model: &model, records, ..*self };
+        let from = Point { initial: vec![from.initial[record].clone()], ..from.clone() };
+        alone.reached(&from)?.point.initial.pop()
     }
 
     /// Where a fit comes to from a point on; nothing where the model cannot be run there.
@@ -202,7 +221,7 @@ impl Task<'_> {
     pub(super) fn shares(&self, point: &Point) -> DVector<f64> {
         let knobs = self.model.knobs.iter().zip(&point.knobs).map(|(knob, value)| knob.share(*value));
         let offsets = point.offsets.iter().zip(self.sigma).map(|(offset, sigma)| offset / sigma);
-        let initial = point.initial.iter().flatten().map(|volts| volts / 100.0);
+        let initial = point.initial.iter().flatten().map(|volts| volts / REFERENCE);
         DVector::from_vec(knobs.chain(offsets).chain(initial).collect())
     }
 
@@ -224,7 +243,7 @@ impl Task<'_> {
     }
 
     fn initial(&self, at: &DVector<f64>, record: usize) -> Vec<f64> {
-        self.states_of(record).map(|index| 100.0 * at[index]).collect()
+        self.states_of(record).map(|index| REFERENCE * at[index]).collect()
     }
 
     pub(super) fn choice(&self, at: &DVector<f64>, record: usize) -> Choice {
@@ -247,7 +266,7 @@ impl Task<'_> {
         all
     }
 
-    /// Data less model over sigma; NaN where there is no datum, and beyond what is looked at.
+    /// Data less model over sigma; NaN where there is no datum.
     pub(super) fn residual(
         &self,
         at: &DVector<f64>,
@@ -257,12 +276,7 @@ impl Task<'_> {
     ) -> Vec<f64> {
         let offset = at[self.model.knobs.len() + output];
         let pairs = self.records[record].outputs[output].iter().zip(&course[output]);
-        let seen = (self.until * course[output].len() as f64).ceil() as usize;
-        let left = |(sample, (datum, value)): (usize, (&f64, &f64))| match sample < seen {
-            true => (datum - value) / self.sigma[output] - offset,
-            false => f64::NAN,
-        };
-        pairs.enumerate().map(left).collect()
+        pairs.map(|(datum, value)| (datum - value) / self.sigma[output] - offset).collect()
     }
 
     pub(super) fn chi2(&self, at: &DVector<f64>, courses: &[Course]) -> f64 {
@@ -292,24 +306,27 @@ impl Task<'_> {
         match index {
             index if index < self.model.knobs.len() => [0.0, 1.0],
             index if index < self.common() => [f64::NEG_INFINITY, f64::INFINITY],
-            _ => [-1.0, 1.0],
+            _ => {
+                let states = &self.model.initial;
+                states[(index - self.common()) % states.len()].range.map(|volts| volts / REFERENCE)
+            }
         }
     }
 
     /// The derivatives of every residual, gathered into normal matrix and gradient.
     fn normal(&self, at: &DVector<f64>, courses: &[Course]) -> Normal {
         let mut normal = Normal::empty(at.len());
-        self.gather(at, courses, |columns, residual| normal.add(columns, residual));
+        for (record, course) in courses.iter().enumerate() {
+            let outputs = self.told_by(at, record, course);
+            outputs.iter().for_each(|(columns, residual)| normal.add(columns, residual));
+        }
         normal
     }
 
-    /// Tells of the derivatives of the residuals of every record and output, each behind its coordinate, and of these residuals.
-    fn gather(&self, at: &DVector<f64>, courses: &[Course], mut tell: impl FnMut(&[Column], &[f64])) {
-        for (record, course) in courses.iter().enumerate() {
-            for (output, columns) in self.responses(at, record, course).iter().enumerate() {
-                tell(columns, &self.residual(at, record, output, course));
-            }
-        }
+    /// Of every output of a record the derivatives of its residuals, each behind its coordinate, and these residuals.
+    fn told_by(&self, at: &DVector<f64>, record: usize, course: &Course) -> Vec<(Vec<Column>, Vec<f64>)> {
+        let responses = self.responses(at, record, course).into_iter().enumerate();
+        responses.map(|(output, columns)| (columns, self.residual(at, record, output, course))).collect()
     }
 
     /// Of every output of a record the derivatives of its residuals, each behind the coordinate that is moved.
@@ -336,6 +353,7 @@ impl Task<'_> {
         (0..self.sigma.len()).map(of_output).collect()
     }
 
+    /// By how much a coordinate is moved for a derivative, away from the end of its way.
     pub(super) fn nudge(&self, at: &DVector<f64>, index: usize) -> f64 {
         let [_, high] = self.bounds(index);
         if at[index] + NUDGE > high { -NUDGE } else { NUDGE }
@@ -400,15 +418,16 @@ impl Task<'_> {
 
     /// How every block of residuals pulls at the coordinates: its gradient.
     fn pulls(&self, columns: &[Column], residual: &[f64], count: usize) -> Vec<DVector<f64>> {
-        let length = residual.len().div_ceil(BLOCKS.div_ceil(self.records.len())).max(1);
-        let pull = |(place, part): (usize, &[f64])| {
+        let mut first = 0;
+        let pull = |part: &[f64]| {
             let mut pull = DVector::zeros(count);
             for (index, column) in columns {
-                pull[*index] = product(&column[place * length..], part, part);
+                pull[*index] = product(&column[first..], part, part);
             }
+            first += part.len();
             pull
         };
-        residual.chunks(length).enumerate().map(pull).collect()
+        in_blocks(residual, self.records.len()).map(pull).collect()
     }
 
     /// Errors of the knobs, in declared units, from those of all coordinates.
@@ -424,14 +443,14 @@ impl Task<'_> {
         let courses = self.courses(std::slice::from_ref(&at)).pop()??;
         let chi2 = self.chi2(&at, &courses);
         let (mut normal, mut pulls) = (Normal::empty(at.len()), Vec::new());
-        self.gather(&at, &courses, |columns, residual| {
-            normal.add(columns, residual);
-            pulls.extend(self.pulls(columns, residual, at.len()));
-        });
-        let residuals = courses.iter().enumerate().map(|(record, course)| {
-            (0..self.sigma.len()).map(|output| self.residual(&at, record, output, course)).collect::<Vec<_>>()
-        });
-        let residuals: Vec<Vec<Vec<f64>>> = residuals.collect();
+        let mut residuals: Vec<Vec<Vec<f64>>> = Vec::new();
+        for (record, course) in courses.iter().enumerate() {
+            let outputs = self.told_by(&at, record, course);
+            outputs.iter().for_each(|(columns, residual)| normal.add(columns, residual));
+            let each = outputs.iter().map(|(columns, residual)| self.pulls(columns, residual, at.len()));
+            pulls.extend(together(each));
+            residuals.push(outputs.into_iter().map(|(_, residual)| residual).collect());
+        }
         let count = residuals.iter().flatten().flatten().filter(|value| !value.is_nan()).count();
         let way = |index: usize| {
             let [least, most] = self.bounds(index);
@@ -461,4 +480,58 @@ pub(super) fn nudged(at: &DVector<f64>, index: usize, by: f64) -> DVector<f64> {
     let mut to = at.clone();
     to[index] += by;
     to
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patch::Patch;
+
+    /// An integrator that stays where it begins, at -50 ... 0 V, upside down.
+    const STANDING: &str = r#"{
+  "patchcord": 1,
+  "parameters": {"begin": {"value": -30, "unit": "1", "range": [-50, 0]}},
+  "elements": {"L1": {"kind": "held"}, "B1": {"kind": "inverter", "in": "L1.out"}},
+  "macros": {"held": {"outputs": {"out": "A1"}, "elements": {
+    "A1": {"kind": "integrator", "in": {"x1": ["ground"]}, "initial": "begin"}
+  }}}
+}"#;
+
+    /// The voltage that is found, from another on, where B1 was measured at so many volts.
+    fn found(from: f64, measured: f64) -> f64 {
+        let patch = Patch::parse("standing.json", STANDING).unwrap_or_else(|report| panic!("{report}"));
+        let records = [Record {
+            name: String::new(),
+            begin: 0.0,
+            since: 0.0,
+            interval: 0.1,
+            jitter: 0.0,
+            drives: Vec::new(),
+            outputs: vec![vec![measured; 12]],
+        }];
+        let [free, outputs] = ["begin", "B1"].map(|name| [name.to_owned()]);
+        let model = Model::new(&patch, &records, &[], &[], &free, &outputs, 1).unwrap();
+        let task = Task {
+            model: &model,
+            records: &records,
+            sigma: &[1.0],
+            offset: &[false],
+            turns: true,
+            wanted: f64::INFINITY,
+            most_rounds: MOST_ROUNDS,
+            settled: SETTLED_SHARE,
+        };
+        let from = Point { knobs: Vec::new(), initial: vec![vec![from]], offsets: vec![0.0] };
+        task.fit(&from).unwrap().point.initial[0][0]
+    }
+
+    #[test]
+    fn initial_voltages_are_found_within_their_ranges() {
+        for from in [-50.0, -30.0, 0.0] {
+            for (measured, wanted) in [(20.0, -20.0), (-10.0, 0.0), (70.0, -50.0)] {
+                let found = found(from, measured);
+                assert!((found - wanted).abs() < 1e-6, "{found} from {from} on, {wanted} is right");
+            }
+        }
+    }
 }

@@ -261,8 +261,7 @@ impl<'a> Wiring<'a> {
         });
         let rename = |own: &Brought| {
             let taken = |name: &str| patch.parameters.contains_key(name) || patch.scales.contains_key(name);
-            let name = if taken(&own.of) { free(&format!("{}_", own.of), taken) } else { own.of.clone() };
-            Brought { name, ..own.clone() }
+            Brought { name: own_name(&own.of, taken), ..own.clone() }
         };
         let parameters: Vec<Brought> = parameters.iter().map(rename).collect();
         let mut words: IndexMap<String, String> =
@@ -428,17 +427,22 @@ impl<'a> Wiring<'a> {
             .collect()
     }
 
-    /// Wires it into the cords of an output.
+    /// Wires it into the cords of an output, to elements and to instances of macros.
     fn splice(&mut self, reading: &Reading) {
         self.inputs.insert(Reads::In.word().to_owned(), json!(reading.at));
-        let out = self.port(Gives::Out);
-        let driven = |(name, entry): &(&String, &crate::patch::Entry)| {
-            !name.contains('.') && entry.plugs.iter().any(|plug| plug.from.value == reading.at)
-        };
-        let names: Vec<String> =
-            self.patch.elements.iter().filter(driven).map(|(name, _)| name.clone()).collect();
-        for name in names {
-            replug(self.element(&name), &reading.at, &out);
+        let (patch, out) = (self.patch, self.port(Gives::Out));
+        let is_own = |name: &str| !name.contains('.');
+        for (name, entry) in patch.elements.iter().filter(|(name, _)| is_own(name)) {
+            if entry.plugs.iter().any(|plug| plug.from.value == reading.at) {
+                replug(self.element(name), &reading.at, &out);
+            }
+        }
+        for (name, instance) in patch.instances.iter().filter(|(name, _)| is_own(name)) {
+            for (port, inlet) in &instance.inputs {
+                if inlet.driver.as_ref() == Some(&reading.at) {
+                    replug(&mut self.element(name)[port], &reading.at, &out);
+                }
+            }
         }
     }
 
@@ -537,7 +541,9 @@ impl<'a> Wiring<'a> {
 
     /// Name of the parameter that is the initial voltage of a state inside.
     fn initial(&self, state: &str) -> String {
-        format!("{}_{state}_initial", self.name)
+        let taken =
+            |name: &str| self.patch.parameters.contains_key(name) || self.patch.scales.contains_key(name);
+        own_name(&format!("{}_{state}_initial", self.name), taken)
     }
 
     /// An element or drive of the fragment with the names that it has in the patch.
@@ -647,6 +653,11 @@ fn replug(element: &mut Value, from: &str, to: &str) {
 fn free(stem: &str, is_taken: impl Fn(&str) -> bool) -> String {
     let names = (1..).map(|number| format!("{stem}{number}"));
     names.into_iter().find(|name| !is_taken(name)).unwrap_or_default()
+}
+
+/// The name, or the first of name_1, name_2, ... that is not taken: one that formulas can read.
+pub(super) fn own_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    if is_taken(name) { free(&format!("{name}_"), is_taken) } else { name.to_owned() }
 }
 
 /// The name, or the first of name-2, name-3, ... that is not taken.

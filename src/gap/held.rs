@@ -1,9 +1,10 @@
 //! The records that are held back: only the voltages with which integrators begin are found there.
 
+use super::effort::{Effort, Starts};
 use super::fit::{Fitted, MOST_ROUNDS, Point, Task};
 use super::model::ModelError;
 use super::record::Record;
-use super::stage::{Effort, Problem, Stage, Starts, Version};
+use super::stage::{Problem, Stage, Version};
 
 /// So often the derivatives are worked out in a first look at what was held back.
 const FIRST_HELD: usize = 2;
@@ -27,10 +28,12 @@ impl Problem {
         let first = Point::of(&model, self.outputs.len());
         let first = Point { knobs: at.knobs.clone(), offsets: at.offsets.clone(), ..first };
         let before = from.map(|initial| Point { initial: filled(initial, &first.initial), ..first.clone() });
-        let (starts, most_rounds) = if effort.is_thorough { (2, MOST_ROUNDS) } else { (1, FIRST_HELD) };
+        let most_rounds = if effort.is_thorough { MOST_ROUNDS } else { FIRST_HELD };
+        // Pieces begin as was measured: from there one fit is enough.
+        let starts = if effort.is_thorough && !self.is_cut { 2 } else { 1 };
         let task = Task { most_rounds, ..self.task(&model, &self.test, false) };
         let starts = before.into_iter().chain([first]).take(starts);
-        Ok(Fitted::best_of(starts.filter_map(|point| task.fit(&point))))
+        Ok(Fitted::best_of(starts.filter_map(|point| task.told(&task.settled(&point)?))))
     }
 
     /// A stage that may have begun there in the wrong place, begun from many; nothing where that is not better.
@@ -57,7 +60,9 @@ impl Problem {
         let task = self.task(&model, record, false);
         let at = |initial: Vec<f64>| Point { initial: vec![initial], ..stage.train.point.clone() };
         let moved = |state: usize| {
-            VOLTS.into_iter().map(move |volts| {
+            let [low, high] = model.initial[state].range;
+            let allowed = VOLTS.into_iter().filter(move |volts| (low..=high).contains(volts));
+            allowed.map(move |volts| {
                 let mut initial = known.to_vec();
                 initial[state] = volts;
                 initial

@@ -13,10 +13,11 @@ use super::directions::{NEW, clear, less, orthonormal, product, scale, subtract}
 use super::fit::{Point, stacked};
 use super::model::{Choice, Course, Model, ModelError};
 use super::record::Record;
+use super::round::{CONFIRMED, Round, Trial, unit};
 use super::score::expected;
-use super::search::{CONFIRMED, Round, Trial, unit};
 use super::stage::{Problem, Stage, Version};
 use crate::instruments::number;
+use crate::patch::behind;
 use crate::pool;
 
 /// The smallest effect of a kind, at a place, that data would have shown.
@@ -63,9 +64,10 @@ impl Problem {
         }
         let of = |trial: &Trial| {
             let ground = grounds.iter().find(|own| own.0 == trial.stage.version.steps);
-            ground.and_then(|(_, ground)| ground.limit(trial).ok())
+            ground.map(|(_, ground)| ground.limit(trial)).transpose()
         };
         let found = pool::each(&round.trials, threads, of, |_| ());
+        let found: Vec<Option<Limit>> = found.into_iter().collect::<Result<_, _>>()?;
         let mut limits: Vec<Limit> = Vec::new();
         for limit in found.into_iter().flatten() {
             match limits.iter_mut().find(|own| own.is_of(&limit)) {
@@ -148,8 +150,14 @@ impl Limit {
 
     /// Its value with its unit.
     pub fn told(&self) -> Option<String> {
-        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
-        self.value.map(|value| format!("{}{unit}", number(value)))
+        self.value.map(|value| format!("{}{}", number(value), behind(&self.unit)))
+    }
+
+    /// The other parameters with which that is so.
+    pub fn beside(&self) -> String {
+        let each = self.beside.iter();
+        let each = each.map(|(name, value, unit)| format!("{name} = {}{}", number(*value), behind(unit)));
+        each.collect::<Vec<_>>().join(", ")
     }
 
     /// Whether the data could show the effect at all.
@@ -297,8 +305,7 @@ impl<'a> Ground<'a> {
         let spans = [&self.train.spans[..], &self.test.spans[..]];
         let [train, test] = cleared.without(spans, [train.outputs, test.outputs]);
         let shown = product(&train, &train) / (self.noise() * need);
-        let tracks: Vec<&[f64]> = self.test.tracks(&test).collect();
-        let confirmed = expected(&tracks, self.test.records.len(), self.noise());
+        let confirmed = expected(&self.test.tracks(&test), self.noise());
         let apart = (confirmed.ratio() / CONFIRMED).powi(2);
         shown.min(apart.max(confirmed.sum / (self.noise() * self.round.needed)))
     }
@@ -352,10 +359,16 @@ impl<'a> Half<'a> {
         self.there(record, tracks.flat_map(|(track, sigma)| track.iter().map(move |own| own / sigma)))
     }
 
-    /// The tracks that lie one behind the other.
-    fn tracks<'t>(&'t self, all: &'t [f64]) -> impl Iterator<Item = &'t [f64]> {
+    /// The tracks that lie one behind the other: by record, of every output.
+    fn tracks<'t>(&self, all: &'t [f64]) -> Vec<Vec<&'t [f64]>> {
         let tracks = self.spans.iter().zip(self.records);
-        tracks.flat_map(|(span, record)| all[span.clone()].chunks(record.len().max(1)))
+        tracks.map(|(span, record)| all[span.clone()].chunks(record.len().max(1)).collect()).collect()
+    }
+
+    /// By how much an initial voltage of an effect is moved, from none on, to where it may be.
+    fn nudge(&self, model: &Model, place: usize) -> f64 {
+        let [_, high] = model.initial[self.point.initial[0].len() + place].range;
+        if high < NUDGE { -NUDGE } else { NUDGE }
     }
 
     /// What changes with each of some strengths, beside none where that is one.
@@ -369,7 +382,7 @@ impl<'a> Half<'a> {
         let mut changes: Vec<Option<Change>> = strengths.iter().map(|_| Some(Change::default())).collect();
         let wired = |record: usize, brought: &Vec<f64>, moved: Option<usize>| {
             let mut own = vec![0.0; own_states];
-            moved.into_iter().for_each(|place| own[place] += NUDGE);
+            moved.into_iter().for_each(|place| own[place] += self.nudge(model, place));
             Choice {
                 knobs: [self.point.knobs.as_slice(), brought].concat(),
                 initial: [self.point.initial[record].as_slice(), &own].concat(),

@@ -43,6 +43,11 @@ impl Measured {
         self.begin + place as f64 * self.interval
     }
 
+    /// Seconds from the first of the even times to the last.
+    pub fn duration(&self) -> f64 {
+        self.interval * self.len().saturating_sub(1) as f64
+    }
+
     /// The number of even times.
     pub fn len(&self) -> usize {
         self.places.last().map_or(0, |last| last + 1)

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::experiment::Feed;
-use super::graft::RECORD_START;
+use super::graft::{RECORD_START, own_name};
 use super::record::Record;
 use crate::circuit::Circuit;
 use crate::patch::{Edit, EditError, Patch, Phase, Report};
@@ -124,6 +124,29 @@ impl Model {
             outputs: outputs.to_vec(),
             samples: records.iter().map(Record::len).collect(),
         })
+    }
+
+    /// The same beside one of its records.
+    pub(super) fn alone(&self, record: usize) -> Model {
+        Model {
+            programs: vec![self.programs[record].clone()],
+            settings: vec![self.settings[record].clone()],
+            knobs: self.knobs.clone(),
+            initial: self.initial.clone(),
+            outputs: self.outputs.clone(),
+            samples: vec![self.samples[record]],
+        }
+    }
+
+    /// The same beside the beginnings of its records.
+    pub(super) fn beside(&self, beginnings: &[Record]) -> Model {
+        let settings = self.settings.iter().zip(beginnings);
+        let settings = settings.map(|(own, record)| RunSettings { phases: phases(record), ..own.clone() });
+        Model {
+            settings: settings.collect(),
+            samples: beginnings.iter().map(Record::len).collect(),
+            ..self.clone()
+        }
     }
 
     /// How many records there are.
@@ -247,7 +270,8 @@ fn freed(patch: &Patch) -> Result<(Patch, Vec<Knob>), ModelError> {
     for (element, value) in states(patch)? {
         let word: String =
             element.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '_' }).collect();
-        let name = format!("initial_{word}");
+        let taken = |name: &str| parameters.get(name).is_some() || patch.scales.contains_key(name);
+        let name = own_name(&format!("initial_{word}"), taken);
         parameters[&name] = json!({"value": value, "unit": "1", "range": [-100, 100]});
         edits.push(initial_of(&element, json!(name)));
         knobs.push(Knob { name, value, range: [-100.0, 100.0] });
@@ -297,10 +321,14 @@ fn fed(program: &Program, record: &Record, drives: &[Feed]) -> Result<Program, M
     Ok(own)
 }
 
+/// From the first sample of a record to its last.
+fn phases(record: &Record) -> Vec<Phase> {
+    vec![Phase::InitialCondition, Phase::operate(record.duration())]
+}
+
 fn plan(record: &Record, outputs: &[String], steps: u32) -> RunSettings {
-    let length = record.interval * (record.len() - 1) as f64;
     RunSettings {
-        phases: vec![Phase::InitialCondition, Phase::operate(length)],
+        phases: phases(record),
         step: record.interval / f64::from(steps),
         tolerance: None,
         every: record.interval,

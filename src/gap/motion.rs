@@ -1,6 +1,7 @@
 //! Whether columns move, and whether the patch can hold what they hold.
 
 use super::document::{Document, Wire};
+use super::examine::examine;
 use super::experiment::Experiment;
 use super::record::Record;
 use crate::machines::REFERENCE;
@@ -64,6 +65,23 @@ pub(super) fn check(made: &Experiment, document: &Document, findings: &mut Findi
         let column = Column { wire, noun, per_volt, unit, trained, tested };
         findings.extend(column.still().or_else(|| column.beyond()));
     }
+    findings.extend(unknown_noise(made, document));
+}
+
+/// That the experiment tells no noise of an output, and the data not either.
+fn unknown_noise(made: &Experiment, document: &Document) -> Vec<Diagnostic> {
+    let is_unknown = |place: usize| {
+        let noise = |record: &Record| examine(&record.outputs[place], record.interval).noise;
+        made.outputs[place].sigma.is_none() && made.train.iter().all(|record| noise(record).is_none())
+    };
+    let outputs = document.outputs.iter().enumerate().filter(|(place, _)| is_unknown(*place));
+    let told = outputs.map(|(_, output)| {
+        let column = &output.wire.column;
+        let message = format!("too few samples of {} follow one another to tell its noise by", column.value);
+        let hint = "say how large it is: {\"column\": ..., \"sigma\": ...}";
+        Diagnostic::at(Code::TooFewSamples, column.span, message).hint(hint)
+    });
+    told.collect()
 }
 
 impl Column<'_> {

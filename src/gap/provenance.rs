@@ -1,6 +1,7 @@
 //! The patches that a search leaves: with fitted values, with integrators that begin as the training data do, and with a note
 //! that tells where all that comes from.
 
+use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Value, json};
@@ -10,11 +11,12 @@ use super::experiment::Experiment;
 use super::graft::RECORD_START;
 use super::model::{ModelError, begun};
 use super::report::interval;
-use super::search::{Outcome, Round, Trial};
+use super::round::Round;
+use super::search::Outcome;
 use super::stage::Stage;
 use super::whereabouts::Whereabouts;
 use crate::instruments::number;
-use crate::patch::{Edit, Patch};
+use crate::patch::{Edit, Patch, behind};
 
 impl Outcome {
     /// The patch as it was, with every parameter at its fitted value.
@@ -65,15 +67,11 @@ impl Outcome {
                 true => format!("{} ... {}", number(low), number(high)),
                 false => "anything".to_owned(),
             };
-            let unit = if own.unit == "1" { String::new() } else { format!(" {}", own.unit) };
-            format!("{} = {}{unit} (95 %: {between})", own.name, number(value))
+            format!("{} = {}{} (95 %: {between})", own.name, number(value), behind(&own.unit))
         });
         let parameters: Vec<String> = parameters.collect();
-        let rivals: Vec<String> = round.rivals().map(Trial::named).collect();
-        let or = match rivals.as_slice() {
-            [] => String::new(),
-            rivals => format!(" (or {}: the data cannot tell)", rivals.join(" or ")),
-        };
+        let or = round.rival().map(|rival| format!(" (or {}: the data cannot tell)", rival.named()));
+        let or = or.unwrap_or_default();
         format!("{}{or}, {}", own.named(), parameters.join(", "))
     }
 }
@@ -140,7 +138,9 @@ fn renamed(beside: &str, name: &str, other: &str) -> Option<String> {
 /// The files that were trained on, each once.
 fn data(experiment: &Experiment) -> String {
     let mut names: Vec<&str> = experiment.train.iter().map(|record| record.name.as_str()).collect();
-    names.dedup();
+    // One file may be several records, with others between.
+    let mut seen = HashSet::new();
+    names.retain(|name| seen.insert(*name));
     names.join(", ")
 }
 

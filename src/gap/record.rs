@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::document::Hold;
+use super::experiment::LEAST_SAMPLES;
 use super::measured::Measured;
 
 /// What was measured from one instant to another, evenly sampled.
@@ -68,7 +69,13 @@ impl Record {
     /// The same in pieces of so many seconds.
     pub(super) fn pieces_of(&self, seconds: f64) -> impl Iterator<Item = Record> + '_ {
         let count = (self.duration() / seconds).round().max(1.0);
-        self.pieces(count as usize, 1)
+        self.pieces(count as usize, LEAST_SAMPLES)
+    }
+
+    /// So large a share of it, from its beginning.
+    pub(super) fn beginning(&self, share: f64) -> Record {
+        let samples = (share * self.len() as f64).ceil() as usize;
+        self.piece(0..samples.max(2).min(self.len()))
     }
 
     fn piece(&self, places: Range<usize>) -> Record {

@@ -3,9 +3,12 @@
 use serde_json::{Map, Value, json};
 
 use super::candidate::Candidate;
+use super::experiment::Experiment;
 use super::fit::Fitted;
 use super::limits::{Limit, best_places};
-use super::search::{LeftOut, Outcome, Round, Trial, Verdict};
+use super::record::Record;
+use super::round::{LeftOut, Round, Trial};
+use super::search::{Outcome, Verdict};
 use super::separate::Separating;
 use super::stage::{Problem, Stage};
 use super::whereabouts::Whereabouts;
@@ -44,8 +47,8 @@ impl Outcome {
     pub fn sentence(&self) -> String {
         let taken = self.rounds.iter().filter(|round| round.taken);
         let told = |round: &Round| {
-            let rivals = round.trials.iter().take(1).chain(round.rivals());
-            rivals.map(Trial::named).collect::<Vec<_>>().join(" or ")
+            let both = round.trials.iter().take(1).chain(round.rival());
+            both.map(Trial::named).collect::<Vec<_>>().join(" or ")
         };
         let effects: Vec<String> = taken.map(told).collect();
         let are = if effects.len() > 1 { "are" } else { "is" };
@@ -87,8 +90,8 @@ impl Outcome {
     pub fn document(&self, problem: &Problem) -> Value {
         let taken = self.effects.iter().zip(&self.rounds).filter(|_| self.verdict.has_names());
         let effects = taken.flat_map(|(own, round)| {
-            let rivals = round.rivals().map(|trial| effect(&trial.candidate, &trial.stage));
-            [effect(own, &self.last)].into_iter().chain(rivals)
+            let rival = round.rival().map(|trial| effect(&trial.candidate, &trial.stage));
+            [effect(own, &self.last)].into_iter().chain(rival)
         });
         let rivals = self.rounds.iter().enumerate().flat_map(|(number, round)| {
             round.trials.iter().map(move |trial| rival(number + 1, round, trial))
@@ -114,6 +117,40 @@ impl Outcome {
             "where": self.whereabouts.iter().map(Whereabouts::document).collect::<Vec<_>>(),
         })
     }
+}
+
+/// What was asked for, and by which seed, as a JSON document.
+pub fn asked(experiment: &Experiment, problem: &Problem, seed: u64) -> Value {
+    let records = |records: &[Record]| -> Vec<Value> {
+        let record = |own: &Record| {
+            let to = own.begin + own.duration();
+            json!({"data": own.name, "from": own.begin, "to": to, "samples": own.len(), "missing": own.missing()})
+        };
+        records.iter().map(record).collect()
+    };
+    let drives = experiment.drives.iter().map(|feed| {
+        let told = json!({"column": feed.column, "unit": feed.unit.text(), "hold": feed.hold.as_str()});
+        (feed.drive.clone(), told)
+    });
+    let outputs = experiment.outputs.iter().zip(&problem.sigma).map(|(output, sigma)| {
+        let (unit, is_told) = (output.unit.text(), output.sigma.is_some());
+        let told = json!({
+            "column": output.column, "unit": unit, "sigma": sigma, "sigma_told": is_told, "offset": output.offset,
+        });
+        (output.signal.clone(), told)
+    });
+    json!({
+        "file": experiment.file,
+        "title": experiment.title,
+        "patch": experiment.patch.file(),
+        "drives": drives.collect::<Map<_, _>>(),
+        "outputs": outputs.collect::<Map<_, _>>(),
+        "fit": experiment.fit,
+        "train": records(&experiment.train),
+        "test": records(&experiment.test),
+        "pieces": experiment.pieces,
+        "seed": seed,
+    })
 }
 
 impl Round {
@@ -149,9 +186,9 @@ impl Round {
         }
     }
 
-    /// The trials that the data cannot tell from the best.
-    pub fn rivals(&self) -> impl Iterator<Item = &Trial> {
-        self.trials.iter().skip(1).filter(|trial| self.is_tied(trial)).take(1)
+    /// The best of the trials that the data cannot tell from the best of all.
+    pub fn rival(&self) -> Option<&Trial> {
+        self.trials.iter().skip(1).find(|trial| self.is_tied(trial))
     }
 }
 

@@ -1,5 +1,7 @@
 //! How much better one fit is than another, and whether that can be chance.
 
+use std::ops::AddAssign;
+
 use super::fit::Fitted;
 
 /// The residuals of all records and outputs one after the other, where there are data.
@@ -31,11 +33,11 @@ fn autocorrelations(track: &[f64], most: usize) -> impl Iterator<Item = f64> + '
 }
 
 /// How far the residuals are from white noise, in standard deviations of what chance would bring: Ljung and Box over lags
-/// up to a hundredth of the record, 20 at least.
+/// up to a hundredth of the record, 20 at least, and half of it at most.
 pub fn colour(fitted: &Fitted) -> f64 {
     let all = series(fitted).map(|track| {
         let count = track.len() as f64;
-        let lags = (track.len() / 100).max(20);
+        let lags = (track.len() / 100).max(20).min(track.len() / 2);
         let sum: f64 = autocorrelations(&track, lags + 1)
             .enumerate()
             .map(|(place, own)| own * own / (count - place as f64 - 1.0))
@@ -79,28 +81,85 @@ const BLOCKS: usize = 20;
 
 /// The squares of one fit less those of another, over the same data.
 pub fn advantage(worse: &Fitted, better: &Fitted) -> Advantage {
-    let records = worse.residuals.len();
-    let tracks = worse.residuals.iter().flatten().zip(better.residuals.iter().flatten());
-    let blocks = tracks.flat_map(|(before, after)| {
-        let chunks = in_blocks(before, records).zip(in_blocks(after, records));
-        chunks.map(|(before, after)| {
-            let pairs = before.iter().zip(after).filter(|(a, b)| !a.is_nan() && !b.is_nan());
-            pairs.map(|(a, b)| a * a - b * b).sum::<f64>()
-        })
+    let count = worse.residuals.len();
+    let differ = |(before, after): (&[f64], &[f64])| {
+        let pairs = before.iter().zip(after).filter(|(a, b)| !a.is_nan() && !b.is_nan());
+        pairs.map(|(a, b)| a * a - b * b).sum::<f64>()
+    };
+    let records = worse.residuals.iter().zip(&better.residuals);
+    let blocks = records.flat_map(|(before, after)| {
+        let outputs = before.iter().zip(after);
+        let outputs = outputs.map(|(before, after)| {
+            in_blocks(before, count).zip(in_blocks(after, count)).map(differ).collect()
+        });
+        together(outputs)
     });
     Advantage::of(&blocks.collect::<Vec<_>>())
 }
 
-/// The advantage to be expected of a fit that leaves noise of such a variance over one that leaves these differences as well,
-/// of so many records.
-pub fn expected(differences: &[&[f64]], records: usize, noise: f64) -> Advantage {
-    let blocks = differences.iter().flat_map(|track| in_blocks(track, records));
-    let blocks: Vec<f64> = blocks.map(|block| block.iter().map(|own| own * own).sum()).collect();
-    let shape = Advantage::of(&blocks);
+/// The advantage to be expected of a fit that leaves noise of such a variance over one that leaves these differences as well: by
+/// record, of every output.
+pub fn expected(differences: &[Vec<&[f64]>], noise: f64) -> Advantage {
+    let square = |block: &[f64]| block.iter().map(|own| own * own).sum::<f64>();
+    let blocks = differences.iter().flat_map(|outputs| {
+        let count = differences.len();
+        together(outputs.iter().map(|track| in_blocks(track, count).map(square).collect()))
+    });
+    let shape = Advantage::of(&blocks.collect::<Vec<_>>());
     Advantage { error: shape.error.hypot(2.0 * (noise * shape.sum).sqrt()), ..shape }
 }
 
 /// A track of one of so many records in the blocks that are compared.
-fn in_blocks(track: &[f64], records: usize) -> impl Iterator<Item = &[f64]> {
+pub(super) fn in_blocks(track: &[f64], records: usize) -> impl Iterator<Item = &[f64]> {
     track.chunks(track.len().div_ceil(BLOCKS.div_ceil(records)).max(1))
+}
+
+/// The blocks of a record: what its outputs hold at the same time is one, as what happens there shows in all of them.
+pub(super) fn together<T: AddAssign>(outputs: impl Iterator<Item = Vec<T>>) -> Vec<T> {
+    let both = |mut all: Vec<T>, own: Vec<T>| {
+        all.iter_mut().zip(own).for_each(|(all, own)| *all += own);
+        all
+    };
+    outputs.reduce(both).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::fit::Point;
+
+    /// A fit that leaves these tracks: by record, of every output.
+    fn fitted(residuals: Vec<Vec<Vec<f64>>>) -> Fitted {
+        let point = Point { knobs: Vec::new(), initial: Vec::new(), offsets: Vec::new() };
+        let all = residuals.iter().flatten().flatten();
+        let (chi2, count) = (all.clone().map(|own| own * own).sum(), all.count());
+        Fitted { point, chi2, residuals, count, free: 0, errors: Vec::new(), by_blocks: Vec::new() }
+    }
+
+    fn wave(count: u32) -> Vec<f64> {
+        (0..count).map(|k| (1.3 * f64::from(k * k)).sin()).collect()
+    }
+
+    #[test]
+    fn what_two_outputs_show_at_the_same_time_is_one_piece_of_evidence() {
+        let halved = |track: &[f64]| track.iter().map(|own| 0.5 * own).collect::<Vec<_>>();
+        let track = wave(400);
+        let alone = advantage(&fitted(vec![vec![track.clone()]]), &fitted(vec![vec![halved(&track)]]));
+        let twice = |own: &[f64]| fitted(vec![vec![own.to_vec(), own.to_vec()]]);
+        let both = advantage(&twice(&track), &twice(&halved(&track)));
+        assert!((both.sum - 2.0 * alone.sum).abs() < 1e-9);
+        assert!((both.ratio() - alone.ratio()).abs() < 1e-9, "{} {}", both.ratio(), alone.ratio());
+        let tracks = [track.as_slice(), &track];
+        let [alone, both] = [vec![tracks[0]], tracks.to_vec()].map(|own| expected(&[own], 0.0).ratio());
+        assert!((both - alone).abs() < 1e-9, "{both} {alone}");
+    }
+
+    #[test]
+    fn a_short_track_is_no_further_from_noise_than_a_long_one() {
+        let colours: Vec<f64> =
+            [12, 20, 40, 400].into_iter().map(|count| colour(&fitted(vec![vec![wave(count)]]))).collect();
+        assert!(colours.iter().all(|own| own.is_finite() && own.abs() < 4.0), "{colours:?}");
+        let slow = (0..30).map(|k| (0.2 * f64::from(k)).sin()).collect();
+        assert!(colour(&fitted(vec![vec![slow]])) > 4.0);
+    }
 }

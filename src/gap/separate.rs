@@ -13,8 +13,8 @@ use super::experiment::Feed;
 use super::fit::{Point, Task, stacked};
 use super::model::{Choice, Course, Model, ModelError};
 use super::record::Record;
+use super::round::{APART, Round, Trial, unit};
 use super::score::expected;
-use super::search::{APART, Round, Trial, unit};
 use super::stage::Problem;
 use crate::instruments::number;
 use crate::machines::REFERENCE;
@@ -215,7 +215,7 @@ impl Problem {
     /// When the patches cannot be run.
     pub fn separating(&self, rounds: &[Round]) -> Result<Option<Separating>, ModelError> {
         let tied = rounds.iter().filter(|round| round.taken);
-        let tied = tied.filter_map(|round| Some((round, round.rivals().next()?))).next();
+        let tied = tied.filter_map(|round| Some((round, round.rival()?))).next();
         let longest = self.train.iter().max_by_key(|record| record.len());
         let Some(((round, rival), longest)) = tied.zip(longest) else { return Ok(None) };
         let trials = [&round.trials[0], rival];
@@ -351,7 +351,7 @@ impl Comparison<'_> {
         );
         let tracks: Vec<&[f64]> = left.chunks(records[0].len()).collect();
         let rms = |track: &&[f64]| (product(track, track) / track.len() as f64).sqrt();
-        Ok(Apart { rms: tracks.iter().map(rms).collect(), errors: expected(&tracks, 1, self.noise).ratio() })
+        Ok(Apart { rms: tracks.iter().map(rms).collect(), errors: expected(&[tracks], self.noise).ratio() })
     }
 }
 

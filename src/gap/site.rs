@@ -156,7 +156,9 @@ impl<'c> Wiring<'c> {
     /// The element whose voltage, or the opposite of it, stands at an element.
     fn root(&self, mut element: usize) -> (usize, bool) {
         let mut is_upright = true;
-        while let Some(from) = self.inverted(element) {
+        // A ring of inverters has no root: it is gone around once.
+        for _ in self.circuit.elements() {
+            let Some(from) = self.inverted(element) else { break };
             (element, is_upright) = (from, !is_upright);
         }
         (element, is_upright)
@@ -251,6 +253,9 @@ impl<'c> Wiring<'c> {
         let mut way = Way { at: from, last: to, settings: Vec::new() };
         let mut ways = vec![way.clone()];
         while let Some((next, setting)) = self.back(way.at) {
+            if ways.iter().any(|way| way.at == next) {
+                break;
+            }
             way.settings.extend(setting);
             way = Way { at: next, last: way.at, settings: way.settings };
             ways.push(way.clone());

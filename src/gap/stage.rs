@@ -3,11 +3,12 @@
 use serde_json::json;
 
 use super::candidate::Candidate;
+use super::effort::{Effort, Starts};
 use super::examine::{examine, peaks};
 use super::experiment::{Experiment, Feed};
-use super::fit::{Fitted, MOST_ROUNDS, Point, Reached, SETTLED_SHARE, Task};
+use super::fit::{Fitted, MOST_ROUNDS, Point, SETTLED_SHARE, Task};
 use super::graft::{Attached, Brought, Place, Role};
-use super::model::{Choice, Model, ModelError};
+use super::model::{Choice, Course, Model, ModelError};
 use super::reach::Largest;
 use super::record::Record;
 use super::score::{colour, memory};
@@ -52,6 +53,11 @@ pub struct Version {
 }
 
 impl Version {
+    /// How long a fit takes beside that of others: the runs for all derivatives, in steps.
+    pub(super) fn work(&self) -> usize {
+        (self.fit.len() + self.free.len() + 1) * self.steps as usize
+    }
+
     /// The patch with what is fitted at these values, as one of a file.
     ///
     /// # Errors
@@ -88,6 +94,21 @@ impl Stage {
         Stage { version, train, test, colour, memory, in_pieces }
     }
 
+    /// What no noise explains, in sigmas rms.
+    pub fn gap(&self) -> f64 {
+        self.train.unexplained().sqrt()
+    }
+
+    /// Whether what is left is more than noise.
+    pub fn leaves_structure(&self) -> bool {
+        self.colour > COLOURED
+    }
+
+    /// The share of what another leaves, in squares over the noise, that this one does not.
+    pub fn closed(&self, without: &Stage) -> f64 {
+        1.0 - self.train.unexplained() / without.train.unexplained()
+    }
+
     /// Whether the gap is so large that fits may have lost their way.
     pub fn is_far(&self) -> bool {
         self.train.over_noise() >= FAR
@@ -112,99 +133,11 @@ impl Stage {
     }
 }
 
-/// How much is done to fit a stage.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Effort {
-    /// So many of the points from which fits could begin are gone on from, those without any effect not counted,
-    starts: usize,
-    /// through heats one after the other.
-    heats: &'static [Heat],
-    /// Whether all records are fitted, or a few of many; and held against the others from every point, or only looked at.
-    pub(super) is_thorough: bool,
-}
-
-/// A round of fits from several points, of which those that come furthest go on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Heat {
-    /// So often the derivatives are worked out for each.
-    rounds: usize,
-    /// So many go on.
-    ahead: usize,
-    /// The share of every record that is fitted, from its beginning.
-    until: f64,
-}
-
-impl Heat {
-    const fn new(rounds: usize, ahead: usize, until: f64) -> Heat {
-        Heat { rounds, ahead, until }
-    }
-}
-
-impl Effort {
-    /// Enough to see whether more is worth while.
-    pub const QUICK: Effort =
-        Effort { starts: 1, heats: &[Heat::new(1, 1, 1.0), Heat::new(4, 1, 1.0)], is_thorough: false };
-    /// Enough to be held against others.
-    pub const FULL: Effort = Effort {
-        starts: 4,
-        heats: &[Heat::new(1, 3, 1.0), Heat::new(4, 2, 1.0), Heat::new(MOST_ROUNDS, 1, 1.0)],
-        is_thorough: true,
-    };
-    /// Where motion swings or sticks: what is fitted to all of it at once keeps step with the wrong swing.
-    pub const GROWING: Effort = Effort {
-        starts: 4,
-        heats: &[
-            Heat::new(1, 4, 1.0),
-            Heat::new(MOST_ROUNDS, 4, 0.35),
-            Heat::new(MOST_ROUNDS, 4, 0.65),
-            Heat::new(MOST_ROUNDS, 1, 1.0),
-        ],
-        is_thorough: true,
-    };
-    /// Where it is not known how a record begins: the beginning first.
-    pub(super) const FROM_ANYWHERE: Effort = Effort {
-        starts: 6,
-        heats: &[
-            Heat::new(4, 4, 0.1),
-            Heat::new(MOST_ROUNDS, 3, 0.35),
-            Heat::new(MOST_ROUNDS, 2, 0.65),
-            Heat::new(MOST_ROUNDS, 1, 1.0),
-        ],
-        is_thorough: true,
-    };
-}
-
-impl Effort {
-    /// Where a task comes to from the best of several points.
-    pub(super) fn best(self, task: &Task<'_>, starts: &Starts) -> Option<Point> {
-        let sure = starts.sure.iter().cloned();
-        let begun = |point: Point| Reached { point, chi2: f64::INFINITY, has_ended: false };
-        let first = Task { until: self.heats.first().map_or(1.0, |heat| heat.until), ..*task };
-        let nearest = first.nearest(&starts.others, self.starts).cloned();
-        let mut ahead: Vec<Reached> = sure.chain(nearest).map(begun).collect();
-        let mut seen = 1.0;
-        for heat in self.heats {
-            let wanted = if heat.until < 1.0 { f64::INFINITY } else { task.wanted };
-            let settled = if heat.until < 1.0 { NEARLY_SETTLED } else { task.settled };
-            let part = Task { until: heat.until, most_rounds: heat.rounds, wanted, settled, ..*task };
-            let goes_on = |own: Reached| match own.has_ended && heat.until == seen {
-                true => Some(own),
-                false => part.reached(&own.point),
-            };
-            ahead = ahead.into_iter().filter_map(goes_on).collect();
-            ahead.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
-            ahead.truncate(heat.ahead);
-            seen = heat.until;
-        }
-        ahead.into_iter().next().map(|best| best.point)
-    }
-}
-
 /// Why an effect is not tried at a place.
 #[derive(Debug, thiserror::Error)]
 pub enum Untried {
     /// There is nothing to find its size by.
-    #[error("what it acts on, or is measured by, stays at zero")]
+    #[error("there is nothing to measure it by: what it acts on stays at zero, or no frequency stands out")]
     Idle,
     /// No fit can begin.
     #[error("the patch with it can be run from none of its starts")]
@@ -223,15 +156,6 @@ pub struct Asked<'a> {
     pub wanted: f64,
     /// Where the same trial came to with less effort.
     pub before: Option<&'a Stage>,
-}
-
-/// Points from which fits begin.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Starts {
-    /// From each of them,
-    pub sure: Vec<Point>,
-    /// and from some of these, those that are nearest to the data.
-    pub others: Vec<Point>,
 }
 
 /// From where a stage is fitted.
@@ -253,8 +177,8 @@ impl From<'_> {
     }
 }
 
-/// A fit to a part of the records has ended when a round lowers the sum of squares by less than this share.
-const NEARLY_SETTLED: f64 = 3e-4;
+/// Residuals further than this from white noise are not noise.
+const COLOURED: f64 = 4.0;
 /// Into so many pieces a record is cut,
 const PIECES: usize = 16;
 /// none of them shorter than so many samples.
@@ -262,8 +186,10 @@ const LEAST_PIECE: usize = 40;
 /// Where the gap is less than so many sigmas rms, fits find their way without pieces.
 const FAR: f64 = 5.0;
 
-/// A first look at many records takes so many samples of them.
+/// A first look at many records takes so many samples of them,
 const GLANCED_AT: usize = 4000;
+/// and finds in so many rounds how all of them begin.
+const NEARLY: usize = 4;
 /// The solver may err by this share of the noise, rms.
 const FINE: f64 = 0.1;
 /// No sample takes more steps than this.
@@ -303,28 +229,33 @@ impl Problem {
         Ok(problem)
     }
 
-    /// Steps a sample with which the solver errs by less than a tenth of the noise, beside twice as many.
+    /// Steps a sample with which the solver errs in no record by more than a tenth of the noise, beside twice as many.
     fn fine_enough(&self, patch: &Patch, fit: &[String]) -> Result<u32, ModelError> {
         let run = |steps: u32| {
             let version = Version { patch: patch.clone(), fit: fit.to_vec(), free: Vec::new(), steps };
             let model = self.model(&version, &self.train, &self.outputs)?;
             let at = Point::of(&model, 0);
-            let choice = Choice { knobs: at.knobs, initial: at.initial[0].clone() };
-            Ok::<_, ModelError>(model.run(0, &[choice]).pop().flatten())
+            let choices = at.initial.into_iter().map(|initial| Choice { knobs: at.knobs.clone(), initial });
+            let courses = choices.enumerate().map(|(record, own)| model.run(record, &[own]).pop().flatten());
+            Ok::<_, ModelError>(courses.collect::<Option<Vec<Course>>>())
         };
         let mut coarse = run(1)?;
         for steps in [1, 2, 4, 8, 16, 32] {
             let fine = run(2 * steps)?;
-            if let Some((coarse, fine)) = coarse.as_ref().zip(fine.as_ref()) {
-                let pairs = coarse.iter().zip(fine).zip(&self.sigma);
-                let errs = pairs.map(|((coarse, fine), sigma)| rms_difference(coarse, fine) / sigma);
-                if errs.fold(0.0, f64::max) < FINE {
-                    return Ok(steps);
-                }
+            if coarse.as_ref().zip(fine.as_ref()).is_some_and(|(coarse, fine)| self.agree(coarse, fine)) {
+                return Ok(steps);
             }
             coarse = fine;
         }
         Ok(MOST_STEPS)
+    }
+
+    /// Whether two runs of all records differ by less than a tenth of the noise.
+    fn agree(&self, coarse: &[Course], fine: &[Course]) -> bool {
+        let pairs =
+            coarse.iter().zip(fine).flat_map(|(coarse, fine)| coarse.iter().zip(fine).zip(&self.sigma));
+        let errs = pairs.map(|((coarse, fine), sigma)| rms_difference(coarse, fine) / sigma);
+        errs.fold(0.0, f64::max) < FINE
     }
 
     pub(super) fn model(
@@ -346,7 +277,6 @@ impl Problem {
             turns,
             wanted: f64::INFINITY,
             most_rounds: MOST_ROUNDS,
-            until: 1.0,
             settled: SETTLED_SHARE,
         }
     }
@@ -368,9 +298,13 @@ impl Problem {
             true => from.effort.best(&task, &starts),
             false => {
                 let glanced = self.at_a_glance(&version, &glance, &starts, from.effort)?;
+                let nearly = Task { most_rounds: NEARLY, ..task };
+                let settled = glanced.and_then(|point| nearly.settled(&point));
+                // What a few records lead astray may be found from none of it, too.
+                let points = settled.into_iter().chain(starts.sure.first().cloned());
                 let once = Task { most_rounds: 1, ..task };
-                let settled = glanced.and_then(|point| task.settled(&point));
-                settled.and_then(|point| once.reached(&point)).map(|reached| reached.point)
+                let reached = points.filter_map(|point| once.reached(&point));
+                reached.min_by(|a, b| a.chi2.total_cmp(&b.chi2)).map(|best| best.point)
             }
         };
         let Some(train) = best.and_then(|point| task.told(&point)) else { return Ok(None) };
@@ -517,8 +451,13 @@ impl Problem {
         let interval = self.train.iter().map(|record| record.interval).fold(f64::INFINITY, f64::min);
         let length =
             self.train.iter().map(|record| record.interval * record.len() as f64).fold(0.0, f64::max);
-        let left = stage.train.residuals.iter().flatten();
-        let spectrum = left.flat_map(|track| peaks(track, interval, FREQUENCIES)).collect();
+        let left = self.train.iter().zip(&stage.train.residuals);
+        let spectrum = left
+            .flat_map(|(record, tracks)| {
+                tracks.iter().map(|track| peaks(track, record.interval, FREQUENCIES))
+            })
+            .flatten()
+            .collect();
         Ok(Peaks { names, ends, interval, length, spectrum })
     }
 
@@ -626,11 +565,10 @@ fn widened(ends: [f64; 2], track: &[f64]) -> [f64; 2] {
     there.fold(ends, |[least, most], value| [least.min(*value), most.max(*value)])
 }
 
-/// The noise of an output in a record.
+/// The noise of an output in a record; 0 where that is too short to tell.
 fn noise(record: &Record, output: usize) -> f64 {
     let is = examine(&record.outputs[output], record.interval);
-    let least = LEAST_NOISE * (is.most - is.least);
-    is.noise.map_or(least, |noise| noise.sigma.max(least))
+    is.noise.map_or(0.0, |noise| noise.sigma.max(LEAST_NOISE * (is.most - is.least)))
 }
 
 fn rms_difference(left: &[f64], right: &[f64]) -> f64 {

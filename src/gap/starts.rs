@@ -52,7 +52,7 @@ impl Problem {
             agreement.tried += 1;
             let Some(fitted) = task.settled(&point).and_then(|point| task.fit(&point)) else { continue };
             agreement.left = agreement.left.min(fitted.over_noise());
-            agreement.is_same = fitted.chi2 - best < SAME.max(SAME_SHARE * best);
+            agreement.is_same = (fitted.chi2 - best).abs() < SAME.max(SAME_SHARE * best);
             if agreement.is_same {
                 break;
             }

@@ -13,7 +13,7 @@ use super::parts::{Cutting, Part, Use, apart};
 use super::record::Record;
 use super::subject::{Subject, Target};
 use crate::patch::fields::Findings;
-use crate::patch::{Code, Diagnostic, Report, Unit, any_error, suggestion, told};
+use crate::patch::{Code, Diagnostic, Placed, Report, Unit, any_error, suggestion, told};
 
 /// An experiment's document that is being held against patch and data.
 pub(super) struct Bringing<'a> {
@@ -39,6 +39,12 @@ impl Read<'_> {
             range: self.source.range.as_ref(),
             span: self.source.file.span,
         }
+    }
+
+    /// When the first and the last sample were taken and what lies between two, in the unit of its times.
+    fn times(&self) -> [f64; 3] {
+        let Measured { begin, interval, .. } = self.measured;
+        [begin, begin + self.measured.duration(), interval].map(|seconds| seconds / self.seconds)
     }
 
     /// Whether both are the same samples.
@@ -108,12 +114,29 @@ impl<'a> Bringing<'a> {
             _ => Vec::new(),
         };
         let holds: Vec<Hold> = document.drives.iter().map(|drive| drive.hold).collect();
+        self.check_ranges(&trained, &tested);
         let taken = self.parts(&trained, &tested);
         let records = [Use::Train, Use::Test].map(|used| {
             let of_use = taken.iter().filter(|taken| taken.part.used == used);
             of_use.map(|taken| Record::cut(&taken.read.measured, taken.part.places.clone(), &holds)).collect()
         });
         (records, trained.first().map_or(1.0, |read| read.seconds))
+    }
+
+    /// Tells of ranges that go on where the data have ended.
+    fn check_ranges(&mut self, trained: &[Read<'_>], tested: &[Read<'_>]) {
+        let test = match &self.document.test {
+            Held::Part(range) => Some(range),
+            _ => None,
+        };
+        // Of several records the shorter ones may end before.
+        let of_all = self.document.train.iter().chain(test).map(|range| (range, trained));
+        let of_one = trained
+            .iter()
+            .chain(tested)
+            .filter_map(|read| Some((read.source.range.as_ref()?, std::slice::from_ref(read))));
+        let found = of_all.chain(of_one).filter_map(|(range, reads)| beyond(range, reads));
+        self.findings.extend(found.collect::<Vec<_>>());
     }
 
     /// A piece needs as many samples as a record does.
@@ -230,6 +253,24 @@ impl<'a> Bringing<'a> {
             format!("the file has {} of them, at times from {from} to {to}{more}", measured.places.len());
         Diagnostic::at(Code::TooFewSamples, part.span, message).hint(hint)
     }
+}
+
+/// That a range goes on where the data of all these files have ended, by more than a sample; one that holds none of them is told
+/// elsewhere.
+fn beyond(range: &Placed<(f64, f64)>, reads: &[Read<'_>]) -> Option<Diagnostic> {
+    let longest = reads.iter().max_by(|a, b| a.measured.duration().total_cmp(&b.measured.duration()))?;
+    let (from, to) = range.value;
+    let holds = |read: &Read<'_>| {
+        let [begin, end, every] = read.times();
+        from >= begin - every && to <= end + every
+    };
+    let [begin, end, _] = longest.times();
+    let is_beside = from > end || to < begin;
+    let message = || {
+        let [from, to, begin, end] = [from, to, begin, end].map(told);
+        format!("the range goes from {from} to {to}, and {} from {begin} to {end}", longest.measured.name)
+    };
+    (!is_beside && !reads.iter().any(holds)).then(|| Diagnostic::at(Code::BeyondData, range.span, message()))
 }
 
 /// What every column of the experiment is needed for.

@@ -90,7 +90,7 @@ fn ranges_decide_what_is_trained_and_tested_on() {
         (json!({"train": [0.04, 3.96]}), vec![(0.1, 3.9)], vec![(4.0, 7.9)]),
         (json!({"data": range, "train": [0, 4]}), vec![(2.0, 4.0)], vec![(4.1, 6.0)]),
         (
-            json!({"data": ["data.csv", range], "test": [5, 9]}),
+            json!({"data": ["data.csv", range], "test": [5, 7.9]}),
             vec![(0.0, 4.9), (2.0, 4.9)],
             vec![(5.0, 7.9), (5.0, 6.0)],
         ),

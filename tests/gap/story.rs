@@ -150,8 +150,8 @@ fn from_fig_8_14_the_memory_is_named_where_the_thesis_has_it() {
     assert_eq!(effects.len(), 1);
     assert_eq!((&effects[0]["name"], &effects[0]["junction"]), (&json!("friction-memory"), &json!("X1")));
     found_near(&found, &TRUTH, 0.01);
-    assert!(problem.gap(&found.base) > 20.0 && problem.gap(found.told()) < 0.5);
+    assert!(found.base.gap() > 20.0 && found.told().gap() < 0.5);
     // Behind the square it would be another law.
     let behind = found.rounds[0].trials.iter().find(|trial| trial.candidate.junction == "M1").unwrap();
-    assert!(problem.gap(&behind.stage) > 4.0);
+    assert!(behind.stage.gap() > 4.0);
 }

@@ -213,7 +213,7 @@ fn a_hill_of_force_goes_with_position_and_becomes_a_function_generator() {
     assert!(within_two_errors(&around, hill) > 0.8, "{around:?}");
     assert_eq!(found.recovered.elements["E1.G1"].kind.name, "function-generator");
     let with = problem.base(&found.recovered, &stage.version.fit, 1).unwrap().unwrap();
-    let gaps = [&stage, &with].map(|stage| [problem.gap(stage), stage.test.over_noise()]);
+    let gaps = [&stage, &with].map(|stage| [stage.gap(), stage.test.over_noise()]);
     assert!(gaps[1][0] < 0.3 * gaps[0][0] && gaps[1][1] < 0.3 * gaps[0][1], "{gaps:?}");
     assert!(curve.held_out.unwrap() > 0.9, "{:?}", curve.held_out);
 }

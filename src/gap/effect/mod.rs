@@ -62,7 +62,7 @@ impl Effect {
 pub enum Start {
     /// From each of these values.
     Values(Vec<f64>),
-    /// From the frequencies of which the recovered force is full.
+    /// From the frequencies of which what is left is full.
     Spectrum,
     /// From just below the highest value of what the reach names.
     Highest,

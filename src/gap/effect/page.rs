@@ -35,7 +35,7 @@ impl Page {
         let parameter = |(name, own): (&String, &super::EffectParameter)| {
             let start = match &own.start {
                 Start::Values(values) => values.iter().map(f64::to_string).collect::<Vec<_>>().join(", "),
-                Start::Spectrum => "what the force is full of".to_owned(),
+                Start::Spectrum => "what is left is full of".to_owned(),
                 Start::Highest => "the highest value".to_owned(),
                 Start::Lowest => "the lowest value".to_owned(),
             };

@@ -149,8 +149,21 @@ fn form(node: &Node, parameters: &[&str], findings: &mut Findings) -> Option<For
         let message = "a form needs \"elements\", and says in \"gives\" what they are wired to";
         findings.push(Diagnostic::at(Code::MissingKey, opening(node), message));
     }
-    let free = free.into_iter().map(|name| name.value).collect();
+    let free = free.into_iter().filter(|name| is_inside(name, &elements, findings));
+    let free = free.map(|name| name.value).collect();
     Some(Form { note, at: at?, signal, reads, gives, times, gains, drives, elements, free, parameters })
+}
+
+/// Whether a form has an element of that name.
+fn is_inside(name: &Placed<String>, elements: &Map<String, Value>, findings: &mut Findings) -> bool {
+    let is_there = elements.contains_key(&name.value);
+    if !is_there {
+        let known: Vec<&str> = elements.keys().map(String::as_str).collect();
+        let message = format!("the form has no element {}", name.value);
+        let hint = suggestion(&name.value, &known);
+        findings.push(Diagnostic::at(Code::UnknownName, name.span, message).maybe_hint(hint));
+    }
+    is_there
 }
 
 /// The parameters of the effect that a form names.

@@ -6,11 +6,12 @@ use crate::gap::limits::Limit;
 pub(super) fn section(limits: &[Limit]) -> String {
     let rows = limits.iter().map(|limit| {
         let from = limit.told().unwrap_or_else(|| "not at all".to_owned());
-        let cells = [&limit.effect, &limit.junction, &limit.reads.join(", "), &limit.parameter, &from];
+        let (reads, with) = (limit.reads.join(", "), limit.beside());
+        let cells = [&limit.effect, &limit.junction, &reads, &limit.parameter, &from, &with];
         (false, cells.map(escaped_text).to_vec())
     });
     format!(
         "<section>\n<h2>What these data would have shown</h2>\n<p>The smallest of every effect that the first round would have found.</p>\n{}</section>\n",
-        table(&["effect", "at", "reads", "parameter", "would have shown from"], rows)
+        table(&["effect", "at", "reads", "parameter", "would have shown from", "with"], rows)
     )
 }

@@ -2,7 +2,7 @@
 
 use super::Told;
 use super::sheet::{bar, escaped_text, number, over_noise, table};
-use crate::gap::search::{Round, Trial};
+use crate::gap::round::{Round, Trial};
 use crate::html::escaped;
 use crate::plot::PlotError;
 

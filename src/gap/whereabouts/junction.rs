@@ -5,11 +5,12 @@ use super::evidence::Solved;
 use super::recovered::{setting, with_function, with_table};
 use super::unknown::{Found, Shape, Sought, Start};
 use super::{Curve, Force, Whereabouts};
-use crate::gap::fit::{Fitted, Point, Task};
+use crate::gap::effort::Effort;
+use crate::gap::fit::{Fitted, Point, Task, unexplained};
 use crate::gap::model::{Choice, ModelError, Table, begun};
 use crate::gap::record::Record;
 use crate::gap::site::{Junction, Reading, Sites};
-use crate::gap::stage::{Effort, Problem, Stage, Version};
+use crate::gap::stage::{Problem, Stage, Version};
 use crate::patch::Patch;
 
 /// Over so many knots the force of all records goes, and over more where something is left.
@@ -283,6 +284,7 @@ impl At<'_> {
             let held = share(&self.stage.test, closed.test.chi2);
             curve.held_out = Some(held);
             if held > LEAST_HELD || (held > 0.0 && curve.evidence > time.evidence) {
+                // What each direction shows stays as it was found over time.
                 curve.explains = self.explains(closed.found.chi2);
                 let numbers = closed.found.sought.iter().zip(&closed.found.errors);
                 let own = curve.points.iter_mut().zip(numbers);
@@ -320,8 +322,7 @@ impl At<'_> {
 
 /// The share of a gap that is closed where so much is left of its squares.
 fn share(base: &Fitted, chi2: f64) -> f64 {
-    let count = base.count as f64;
-    1.0 - (chi2 - count) / (base.chi2 - count)
+    1.0 - unexplained(chi2, base.count) / base.unexplained()
 }
 
 /// A number of its own every few samples.

@@ -1,0 +1,127 @@
+//! How much is done to fit a patch: from how many points, through which heats, and to how much of the records.
+
+use super::fit::{MOST_ROUNDS, Point, Reached, Task};
+use super::model::Model;
+use super::record::Record;
+
+/// How much is done to fit a stage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effort {
+    /// So many of the points from which fits could begin are gone on from, those without any effect not counted,
+    starts: usize,
+    /// through heats one after the other.
+    heats: &'static [Heat],
+    /// Whether all records are fitted, or a few of many; and held against the others from every point, or only looked at.
+    pub(super) is_thorough: bool,
+}
+
+/// A round of fits from several points, of which those that come furthest go on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Heat {
+    /// So often the derivatives are worked out for each.
+    rounds: usize,
+    /// So many go on.
+    ahead: usize,
+    /// The share of every record that is fitted, from its beginning.
+    until: f64,
+}
+
+impl Heat {
+    const fn new(rounds: usize, ahead: usize, until: f64) -> Heat {
+        Heat { rounds, ahead, until }
+    }
+}
+
+impl Effort {
+    /// Enough to see whether more is worth while.
+    pub const QUICK: Effort =
+        Effort { starts: 1, heats: &[Heat::new(1, 1, 1.0), Heat::new(4, 1, 1.0)], is_thorough: false };
+    /// Enough to be held against others.
+    pub const FULL: Effort = Effort {
+        starts: 4,
+        heats: &[Heat::new(1, 3, 1.0), Heat::new(4, 2, 1.0), Heat::new(MOST_ROUNDS, 1, 1.0)],
+        is_thorough: true,
+    };
+    /// Where motion swings or sticks: what is fitted to all of it at once keeps step with the wrong swing.
+    pub const GROWING: Effort = Effort {
+        starts: 4,
+        heats: &[
+            Heat::new(1, 4, 1.0),
+            Heat::new(MOST_ROUNDS, 4, 0.35),
+            Heat::new(MOST_ROUNDS, 4, 0.65),
+            Heat::new(MOST_ROUNDS, 1, 1.0),
+        ],
+        is_thorough: true,
+    };
+    /// Where it is not known how a record begins: the beginning first.
+    pub(super) const FROM_ANYWHERE: Effort = Effort {
+        starts: 6,
+        heats: &[
+            Heat::new(4, 4, 0.1),
+            Heat::new(MOST_ROUNDS, 3, 0.35),
+            Heat::new(MOST_ROUNDS, 2, 0.65),
+            Heat::new(MOST_ROUNDS, 1, 1.0),
+        ],
+        is_thorough: true,
+    };
+}
+
+/// A fit to a part of the records has ended when a round lowers the sum of squares by less than this share.
+const NEARLY_SETTLED: f64 = 3e-4;
+
+/// Points from which fits begin.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Starts {
+    /// From each of them,
+    pub sure: Vec<Point>,
+    /// and from some of these, those that are nearest to the data.
+    pub others: Vec<Point>,
+}
+
+impl Effort {
+    /// Where a task comes to from the best of several points.
+    pub(super) fn best(self, task: &Task<'_>, starts: &Starts) -> Option<Point> {
+        let sure = starts.sure.iter().cloned();
+        let begun = |point: Point| Reached { point, chi2: f64::INFINITY, has_ended: false };
+        let first = self.heats.first().and_then(|heat| Beginnings::of(task, heat.until));
+        let looked_at = first.as_ref().map_or(*task, |own| own.task(task));
+        let nearest = looked_at.nearest(&starts.others, self.starts).cloned();
+        let mut ahead: Vec<Reached> = sure.chain(nearest).map(begun).collect();
+        let mut seen = 1.0;
+        for heat in self.heats {
+            let beginnings = Beginnings::of(task, heat.until);
+            let part = beginnings.as_ref().map_or(*task, |own| own.task(task));
+            let part = Task { most_rounds: heat.rounds, ..part };
+            let goes_on = |own: Reached| match own.has_ended && heat.until == seen {
+                true => Some(own),
+                false => part.reached(&own.point),
+            };
+            ahead = ahead.into_iter().filter_map(goes_on).collect();
+            ahead.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
+            ahead.truncate(heat.ahead);
+            seen = heat.until;
+        }
+        ahead.into_iter().next().map(|best| best.point)
+    }
+}
+
+/// The beginnings of records, and a model that is run beside no more than these.
+struct Beginnings {
+    model: Model,
+    records: Vec<Record>,
+}
+
+impl Beginnings {
+    /// So large a share of what a task is fitted to; nothing where that is all.
+    fn of(task: &Task<'_>, share: f64) -> Option<Beginnings> {
+        let records = || task.records.iter().map(|record| record.beginning(share)).collect::<Vec<_>>();
+        let of = |records: Vec<Record>| Beginnings { model: task.model.beside(&records), records };
+        (share < 1.0).then(|| of(records()))
+    }
+
+    /// The task of coming near to these.
+    fn task<'b>(&'b self, whole: &Task<'b>) -> Task<'b> {
+        let (model, records) = (&self.model, self.records.as_slice());
+        Task { model, records, wanted: f64::INFINITY, settled: NEARLY_SETTLED, ..*whole }
+    }
+}
