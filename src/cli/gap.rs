@@ -1,6 +1,5 @@
 //! `patchcord gap`
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::thread;
 
@@ -36,8 +35,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
     /// How many effects are tried at the same time; as many as there are cores where it is not given
-    #[arg(long, value_name = "NUMBER")]
-    threads: Option<NonZeroUsize>,
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
     /// Print one JSON document on standard output, and nothing else there
     #[arg(long)]
     json: bool,

@@ -17,6 +17,7 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
     text += &format!("\n{}", parameters(outcome.told()).text());
     text.extend(outcome.told().untold().map(|own| format!("{own}\n")));
     text += &format!("\n{}", gaps(problem, outcome).text());
+    text.extend(outcome.doubt().map(|own| format!("{own}\n")));
     if !outcome.agreement.is_same {
         text += &format!("\nbefore: {}\n", outcome.agreement.sentence());
     }

@@ -66,6 +66,28 @@ pub(super) fn check(made: &Experiment, document: &Document, findings: &mut Findi
         findings.extend(column.still().or_else(|| column.beyond()));
     }
     findings.extend(unknown_noise(made, document));
+    findings.extend(next_to_no_noise(made, document));
+}
+
+/// The noise of an output is no less than this share of its size: numbers are not told better.
+const LEAST_TOLD: f64 = 1e-12;
+
+/// That the experiment tells less noise of an output than numbers of its size can hold.
+fn next_to_no_noise(made: &Experiment, document: &Document) -> Vec<Diagnostic> {
+    let outputs = made.outputs.iter().zip(&document.outputs).enumerate();
+    let told = outputs.filter_map(|(place, (output, wire))| {
+        let sigma = output.sigma?;
+        let size = Extent::of(&made.train, |record| record.outputs[place].as_slice()).size();
+        let column = &wire.wire.column;
+        let message = || {
+            let (sigma, size, unit) = (told(sigma), told(size), behind(output.unit.text()));
+            format!("the noise of {} is told as {sigma}{unit}, and it goes up to {size}{unit}", column.value)
+        };
+        let hint = "give the standard deviation of the noise, or leave \"sigma\" out: it is estimated then";
+        (sigma < LEAST_TOLD * size)
+            .then(|| Diagnostic::at(Code::BadNumber, column.span, message()).hint(hint))
+    });
+    told.collect()
 }
 
 /// That the experiment tells no noise of an output, and the data not either.

@@ -37,7 +37,21 @@ impl Stage {
     }
 }
 
+/// What is left is as large as the noise, unless that is told too large: by so much less it is not by chance.
+const FAR_LESS: f64 = 0.5;
+
 impl Outcome {
+    /// That the noise is taken too large, in a sentence; nothing where it may be right.
+    pub fn doubt(&self) -> Option<String> {
+        let left = self.told().train.over_noise();
+        (left < FAR_LESS).then(|| {
+            format!(
+                "What is left is {} times the noise that it is held against: with a \"sigma\" as small as the noise these data would show more.",
+                number(left)
+            )
+        })
+    }
+
     /// The stage that is told of: the last one where something is named, else the patch as it was.
     pub fn told(&self) -> &Stage {
         if self.verdict.has_names() { &self.last } else { &self.base }

@@ -139,9 +139,19 @@ impl<'a> Bringing<'a> {
         self.findings.extend(found.collect::<Vec<_>>());
     }
 
-    /// A piece needs as many samples as a record does.
+    /// A piece needs as many samples as a record does, and no record is cut into pieces that are longer than it.
     fn check_pieces(&mut self, pieces: Option<f64>, train: &[Record], test: &[Record]) {
         let Some((asked, seconds)) = self.document.pieces.as_ref().zip(pieces) else { return };
+        let longest = train.iter().chain(test).map(Record::duration).fold(0.0, f64::max);
+        if longest > 0.0 && seconds > longest {
+            let message = format!(
+                "pieces of {} s cut no record: none lasts longer than {} s",
+                told(seconds),
+                told(longest)
+            );
+            self.findings
+                .push(Diagnostic::at(Code::BeyondData, asked.span, message).hint("leave \"pieces\" out"));
+        }
         let least = |record: &Record| record.interval * LEAST_SAMPLES as f64;
         if let Some(record) = train.iter().chain(test).find(|record| seconds < least(record)) {
             let message = format!("a piece of {} has fewer than {LEAST_SAMPLES} samples", record.name);

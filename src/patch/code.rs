@@ -137,7 +137,7 @@ codes! {
         "keep the two apart: what was fitted to proves nothing";
     StillPart "still-part" Warning "A column that does not move in the part to train or to test on."
         "take a part in which it does";
-    BeyondData "beyond-data" Warning "A range that goes on where the data have ended."
+    BeyondData "beyond-data" Warning "A range or a piece that goes on where the data have ended."
         "write the range that is meant: what lies beyond the data is left out";
     BeyondScale "beyond-scale" Warning "Data for which 100 V of their scale are not enough."
         "let a volt of the scale stand for more";

@@ -2,6 +2,7 @@
 
 use super::Told;
 use super::sheet::{number, over_noise, parameters, table};
+use crate::html::escaped;
 use crate::plot::PlotError;
 
 pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
@@ -15,6 +16,7 @@ pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
         &["gap over noise, rms", "training", "held back", "distance from white, in standard deviations"],
         rows.into_iter(),
     );
+    text.extend(told.outcome.doubt().map(|own| format!("<p>{}</p>\n", escaped(&own))));
     if told.outcome.verdict.has_names() {
         text += &parameters(last);
         // After one round the same pictures stand there.
