@@ -18,6 +18,7 @@ use patchcord::plot;
 use patchcord::program::Program;
 use patchcord::solve::{Backend, RunSettings};
 use problems::runs;
+use serde_json::Value;
 
 fn documents() -> Vec<PathBuf> {
     let mut found = vec!["README.md".into(), "CONTRIBUTING.md".into(), "CHANGELOG.md".into()];
@@ -116,6 +117,31 @@ fn the_search_stands_beside_others_with_its_own_figures() {
         told += 1;
     }
     assert!(told >= 10);
+}
+
+#[test]
+fn every_case_that_a_page_counts_stands_in_its_list() {
+    let list = fs::read_to_string("docs/hidden-effects.jsonl").unwrap();
+    let cases: Vec<Value> = list.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let page = rows("docs/hidden-effects.md");
+    let counts = |what: &str, those: &dyn Fn(&&Value) -> bool, is: &dyn Fn(&&Value) -> bool| {
+        let all: Vec<&Value> = cases.iter().filter(those).collect();
+        let (all, own) = (all.len(), all.into_iter().filter(is).count());
+        assert!(
+            page[what].contains(&format!("({own} of {all})")),
+            "{what}: {}, not {own} of {all}",
+            page[what]
+        );
+    };
+    let hides = |case: &&Value, begins: &str| case["hidden"].as_str().unwrap().starts_with(begins);
+    let is = |wanted: &'static str| move |case: &&Value| case["judgement"] == wanted;
+    counts("false alarm when nothing is missing", &|case| hides(case, "none"), &is("false alarm"));
+    counts("unknown effect called by a library name", &|case| hides(case, "unknown:"), &is("wrong name"));
+    let is_pair = |case: &&Value| {
+        case["hidden"].as_str().unwrap().contains('+') && case["gap_over_noise"].as_f64().unwrap() > 3.0
+    };
+    counts("both of a pair named, gap over noise above 3", &is_pair, &is("right"));
+    assert!(cases.len() >= 100, "{}", cases.len());
 }
 
 /// A table of docs/performance.md.

@@ -33,6 +33,11 @@ impl Journal {
         self.judged.push(one);
         Ok(())
     }
+
+    /// All of it, in the order of the cases that it has.
+    pub fn text(&self) -> String {
+        self.judged.iter().map(|one| format!("{}\n", line(one))).collect()
+    }
 }
 
 fn line(one: &Judged) -> Value {
@@ -40,6 +45,8 @@ fn line(one: &Judged) -> Value {
         one.parameters.iter().map(|own| json!([own.effect, own.name, own.wanted, own.found, own.interval]));
     json!({
         "number": one.number,
+        "hidden": one.truth.what,
+        "gap_over_noise": one.truth.egnr,
         "verdict": one.verdict,
         "named": one.named,
         "judgement": one.judgement.as_str(),

@@ -1,10 +1,13 @@
 //! The gap search on data in which an effect is hidden: what it names, and how often that is right.
 //!
-//!     cargo bench --bench gap                 the whole: 1000 cases, written to docs/hidden-effects.md
+//!     cargo bench --bench gap                 the whole: 1000 cases, each as it is found written to docs/hidden-effects.jsonl, where a
+//!                                             search that was broken off goes on (without that file it begins anew), and in the end
+//!                                             all of them to docs/hidden-effects.md
+//!     cargo bench --bench gap -- page         docs/hidden-effects.md of what has been found so far
 //!     cargo bench --bench gap -- 60           the first 60
 //!     cargo bench --bench gap -- 41-90/7 -v   every seventh of some, each told with what was tried
 //!     cargo bench --bench gap -- 18,37        these
-//!     cargo bench --bench gap -- in=FILE      what is found is kept in a file as well, and what stands there is not sought again
+//!     cargo bench --bench gap -- 60 in=FILE   what is found is kept in a file as well, and what stands there is not sought again
 //!
 //! The cases are made by the program in benches/hidden, which a C compiler makes first.
 
@@ -13,7 +16,7 @@ mod journal;
 mod judged;
 mod page;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
@@ -29,6 +32,10 @@ type Outcome<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
 const SEED: u64 = 7;
 /// How many there are.
 const CASES: usize = 1000;
+/// What it tells,
+const PAGE: &str = "docs/hidden-effects.md";
+/// and the cases of which it tells, a line each.
+const JOURNAL: &str = "docs/hidden-effects.jsonl";
 
 /// What is asked for.
 struct Asked {
@@ -36,20 +43,32 @@ struct Asked {
     seed: u64,
     verbose: bool,
     journal: Option<PathBuf>,
+    /// Whether nothing is searched.
+    only_page: bool,
+}
+
+impl Asked {
+    /// Whether the page is to be written: that of all cases.
+    fn writes(&self) -> bool {
+        self.seed == SEED && self.journal.as_deref() == Some(Path::new(JOURNAL))
+    }
 }
 
 fn asked() -> Outcome<Asked> {
-    let mut asked = Asked { numbers: Vec::new(), seed: SEED, verbose: false, journal: None };
+    let mut asked =
+        Asked { numbers: Vec::new(), seed: SEED, verbose: false, journal: None, only_page: false };
     for word in std::env::args().skip(1).filter(|word| word != "--bench") {
         match word.split_once('=') {
             Some(("seed", seed)) => asked.seed = seed.parse()?,
             Some(("in", file)) => asked.journal = Some(file.into()),
             _ if word == "-v" => asked.verbose = true,
+            _ if word == "page" => asked.only_page = true,
             _ => asked.numbers.extend(numbers(&word)?),
         }
     }
     if asked.numbers.is_empty() {
         asked.numbers = (1..=CASES).collect();
+        asked.journal.get_or_insert_with(|| JOURNAL.into());
     }
     Ok(asked)
 }
@@ -68,13 +87,15 @@ fn main() -> Outcome<()> {
     let asked = asked()?;
     let hidden = Hidden::made(asked.seed, asked.numbers.iter().copied().max().unwrap_or_default())?;
     let mut journal = Journal::read(asked.journal.as_deref(), &hidden)?;
-    search(&asked, &hidden, &mut journal)?;
-    let mut judged = journal.judged;
-    judged.sort_by_key(|one| one.number);
-    let page = page::page(&judged, CASES);
+    if !asked.only_page {
+        search(&asked, &hidden, &mut journal)?;
+    }
+    journal.judged.sort_by_key(|one| one.number);
+    let page = page::page(&journal.judged, CASES);
     println!("{page}");
-    if judged.len() == CASES && asked.seed == SEED {
-        std::fs::write("docs/hidden-effects.md", page)?;
+    if asked.writes() {
+        std::fs::write(JOURNAL, journal.text())?;
+        std::fs::write(PAGE, page)?;
     }
     Ok(())
 }

@@ -20,7 +20,8 @@ pub fn page(judged: &[Judged], cases: usize) -> String {
     let mut text = format!(
         "# Hidden effects\n\n\
          What `patchcord gap` says of {searched} experiments in which an effect is hidden, or none. The data come from a program that shares no code with\n\
-         this one (`benches/hidden`), with other shapes of the same laws; the truth lies apart. `cargo bench --bench gap` makes them and writes this page.\n\n\
+         this one (`benches/hidden`), with other shapes of the same laws; the truth lies apart. `cargo bench --bench gap` makes them and writes this page;\n\
+         [hidden-effects.jsonl](hidden-effects.jsonl) has every case: what was hidden, what was said, the parameters with their true values and intervals, what was left of the data held back.\n\n\
          *Gap over noise* is the rms that the best refitted base leaves, over the standard deviation of the noise. *Among two*: the data cannot tell, and one of both is the truth. *An alias*: what is named is another effect, which\n\
          some data cannot tell from the hidden one ([effects.md](effects.md) says which); *wrong name* are all others.\n\n"
     );

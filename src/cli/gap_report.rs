@@ -17,12 +17,13 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
     text += &format!("\n{}", parameters(outcome.told()).text());
     text.extend(outcome.told().untold().map(|own| format!("{own}\n")));
     text += &format!("\n{}", gaps(problem, outcome).text());
-    text.extend(outcome.doubt().map(|own| format!("{own}\n")));
+    text.extend(outcome.doubts(experiment).into_iter().map(|own| own + "\n"));
     if !outcome.agreement.is_same {
         text += &format!("\nbefore: {}\n", outcome.agreement.sentence());
     }
     text += &place(&outcome.whereabouts);
-    if matches!(outcome.verdict, Verdict::NothingMissing | Verdict::CannotJudge) {
+    let told = matches!(outcome.verdict, Verdict::NothingMissing | Verdict::CannotJudge);
+    if told && !outcome.limits.is_empty() {
         text += &limits(&outcome.limits);
     }
     for (number, round) in outcome.rounds.iter().enumerate() {

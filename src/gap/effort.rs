@@ -114,9 +114,10 @@ struct Beginnings {
 impl Beginnings {
     /// So large a share of what a task is fitted to; nothing where that is all.
     fn of(task: &Task<'_>, share: f64) -> Option<Beginnings> {
-        let records = || task.records.iter().map(|record| record.beginning(share)).collect::<Vec<_>>();
-        let of = |records: Vec<Record>| Beginnings { model: task.model.beside(&records), records };
-        (share < 1.0).then(|| of(records()))
+        (share < 1.0).then(|| {
+            let records: Vec<Record> = task.records.iter().map(|record| record.beginning(share)).collect();
+            Beginnings { model: task.model.beside(&records), records }
+        })
     }
 
     /// The task of coming near to these.

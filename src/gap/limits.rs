@@ -16,6 +16,7 @@ use super::record::Record;
 use super::round::{CONFIRMED, Round, Trial, unit};
 use super::score::expected;
 use super::stage::{Problem, Stage, Version};
+use super::turned::Turned;
 use crate::instruments::number;
 use crate::patch::behind;
 use crate::pool;
@@ -84,7 +85,7 @@ impl Problem {
 }
 
 /// Why data cannot judge a patch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Blind {
     /// They are no more than the numbers that are fitted.
     Few,
@@ -92,15 +93,18 @@ pub enum Blind {
     Still,
     /// No effect that was tried would show, however strong.
     Effects,
+    /// The patch explains their opposite.
+    Turned(Turned),
 }
 
 impl Blind {
     /// The same in words.
-    pub fn sentence(self) -> &'static str {
+    pub fn sentence(&self) -> String {
         match self {
-            Blind::Few => "they are no more than the numbers that are fitted",
-            Blind::Still => "nothing moves in them beyond the noise",
-            Blind::Effects => "they would show none of the effects that were tried",
+            Blind::Few => "they are no more than the numbers that are fitted".to_owned(),
+            Blind::Still => "nothing moves in them beyond the noise".to_owned(),
+            Blind::Effects => "they would show none of the effects that were tried".to_owned(),
+            Blind::Turned(turned) => turned.sentence(),
         }
     }
 }

@@ -38,6 +38,7 @@ pub mod stage;
 pub mod starts;
 mod subject;
 mod together;
+pub mod turned;
 pub mod whereabouts;
 
 pub use document::Hold;

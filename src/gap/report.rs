@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use super::candidate::Candidate;
 use super::experiment::Experiment;
 use super::fit::Fitted;
-use super::limits::{Limit, best_places};
+use super::limits::{Blind, Limit, best_places};
 use super::record::Record;
 use super::round::{LeftOut, Round, Trial};
 use super::search::{Outcome, Verdict};
@@ -41,15 +41,18 @@ impl Stage {
 const FAR_LESS: f64 = 0.5;
 
 impl Outcome {
-    /// That the noise is taken too large, in a sentence; nothing where it may be right.
-    pub fn doubt(&self) -> Option<String> {
-        let left = self.told().train.over_noise();
-        (left < FAR_LESS).then(|| {
+    /// Of which outputs the experiment tells more noise than there can be, in sentences.
+    pub fn doubts(&self, experiment: &Experiment) -> Vec<String> {
+        let told = experiment.outputs.iter().enumerate().filter(|(_, output)| output.sigma.is_some());
+        let left = told.map(|(place, output)| (&output.signal, over_sigma(&self.told().train, place)));
+        let far_less = left.filter(|(_, left)| *left < FAR_LESS);
+        let doubt = far_less.map(|(signal, left)| {
             format!(
-                "What is left is {} times the noise that it is held against: with a \"sigma\" as small as the noise these data would show more.",
+                "What is left of {signal} is {} times the noise that the experiment tells: with a \"sigma\" as small as the noise these data would show more.",
                 number(left)
             )
-        })
+        });
+        doubt.collect()
     }
 
     /// The stage that is told of: the last one where something is named, else the patch as it was.
@@ -89,7 +92,7 @@ impl Outcome {
                 }
             }
             Verdict::CannotJudge => {
-                let why = self.blind.map_or_else(String::new, |why| format!(": {}", why.sentence()));
+                let why = self.blind.as_ref().map_or_else(String::new, |why| format!(": {}", why.sentence()));
                 format!("these data cannot judge{why}")
             }
         }
@@ -124,6 +127,7 @@ impl Outcome {
                 "before": gaps(problem, &self.base),
                 "after": gaps(problem, self.told()),
             },
+            "why": self.blind.as_ref().map(Blind::sentence),
             "other_starts": self.agreement.document(),
             "parameters": parameters(self.told()),
             "separate": self.separating.as_ref().map(Separating::document),
@@ -263,13 +267,18 @@ fn left_out(number: usize, own: &LeftOut) -> Value {
     json!({"step": number, "name": own.effect, "junction": own.junction, "why": own.why})
 }
 
+/// What is left of an output, rms over its noise.
+fn over_sigma(fitted: &Fitted, output: usize) -> f64 {
+    let tracks = fitted.residuals.iter().flat_map(|record| record[output].iter());
+    let squares: Vec<f64> = tracks.filter(|own| !own.is_nan()).map(|own| own * own).collect();
+    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+}
+
 fn gaps(problem: &Problem, stage: &Stage) -> Value {
     let told = |fitted: &Fitted| {
         let outputs =
             problem.outputs.iter().zip(&problem.sigma).enumerate().map(|(output, (name, sigma))| {
-                let tracks = fitted.residuals.iter().flat_map(|record| record[output].iter());
-                let squares: Vec<f64> = tracks.filter(|own| !own.is_nan()).map(|own| own * own).collect();
-                let over = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
+                let over = over_sigma(fitted, output);
                 (name.clone(), json!({"rms": over * sigma, "over_sigma": over}))
             });
         Value::Object(outputs.collect::<Map<_, _>>())

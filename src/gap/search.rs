@@ -126,6 +126,9 @@ impl Problem {
     ) -> Result<Option<Outcome>, ModelError> {
         progress(Progress::of(Part::Base));
         let Some(mut base) = self.base(patch, fit, with.seed)? else { return Ok(None) };
+        if let Some(turned) = self.turned(&base, patch, fit, with.seed)? {
+            return self.unjudged(base, Blind::Turned(turned), with.seed).map(Some);
+        }
         let mut come = Come { rounds: Vec::new(), effects: Vec::new(), stage: base.clone() };
         let (mut bettered, mut before_promise) = (0, None);
         while come.rounds.len() < MOST_EFFECTS {
@@ -159,7 +162,7 @@ impl Problem {
             None => Vec::new(),
         };
         let blind = self.is_blind(&base, &rounds, &limits);
-        let mut verdict = self.verdict(&stage, &rounds, left, blind);
+        let mut verdict = self.verdict(&stage, &rounds, left, blind.is_some());
         let whereabouts = match verdict {
             Verdict::NothingMissing | Verdict::CannotJudge => Vec::new(),
             _ => {
@@ -189,6 +192,23 @@ impl Problem {
             blind,
             separating,
         }))
+    }
+
+    /// What comes of data that no effect is sought in.
+    fn unjudged(&self, base: Stage, why: Blind, seed: u64) -> Result<Outcome, ModelError> {
+        Ok(Outcome {
+            verdict: Verdict::CannotJudge,
+            agreement: self.agreement(&base, seed)?,
+            last: base.clone(),
+            base,
+            rounds: Vec::new(),
+            effects: Vec::new(),
+            left: 1.0,
+            whereabouts: Vec::new(),
+            limits: Vec::new(),
+            blind: Some(why),
+            separating: None,
+        })
     }
 
     /// The patch of a stage fitted better, from where the best trials came to.
@@ -270,11 +290,11 @@ impl Problem {
         Ok(Sites::of(&circuit, &fed))
     }
 
-    fn verdict(&self, stage: &Stage, rounds: &[Round], left: f64, blind: Option<Blind>) -> Verdict {
+    fn verdict(&self, stage: &Stage, rounds: &[Round], left: f64, is_blind: bool) -> Verdict {
         let taken = rounds.iter().filter(|round| round.taken);
         let most_left = MOST_LEFT * (taken.clone().count() as f64).sqrt();
         match (taken.clone().count(), stage.leaves_structure()) {
-            (0, false) if blind.is_some() => Verdict::CannotJudge,
+            (0, false) if is_blind => Verdict::CannotJudge,
             (0, false) => Verdict::NothingMissing,
             (0, true) => Verdict::UnknownEffect,
             (_, true) if left > most_left => Verdict::UnknownEffect,

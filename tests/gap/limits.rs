@@ -85,7 +85,7 @@ fn swinging(samples: usize, force: f64, way: f64) -> (Experiment, Problem) {
 fn what_stands_still_cannot_be_judged() {
     let (experiment, problem) = swinging(600, 1e-6, 0.0);
     let found = searched(&experiment, &problem);
-    assert_eq!((found.verdict, found.blind), (Verdict::CannotJudge, Some(Blind::Still)));
+    assert_eq!((found.verdict, &found.blind), (Verdict::CannotJudge, &Some(Blind::Still)));
     assert_eq!(found.sentence(), "these data cannot judge: nothing moves in them beyond the noise");
 }
 
@@ -94,8 +94,8 @@ fn a_few_samples_cannot_be_judged() {
     let (experiment, problem) = swinging(20, 1.0, 1e-2);
     let found = searched(&experiment, &problem);
     assert_eq!(
-        (found.verdict, found.blind),
-        (Verdict::CannotJudge, Some(Blind::Effects)),
+        (found.verdict, &found.blind),
+        (Verdict::CannotJudge, &Some(Blind::Effects)),
         "{:?}",
         found.limits
     );

@@ -14,6 +14,7 @@ mod search;
 mod separate;
 mod spoilt;
 mod story;
+mod turned;
 mod r#where;
 
 use std::collections::HashSet;

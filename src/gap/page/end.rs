@@ -16,7 +16,8 @@ pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
         &["gap over noise, rms", "training", "held back", "distance from white, in standard deviations"],
         rows.into_iter(),
     );
-    text.extend(told.outcome.doubt().map(|own| format!("<p>{}</p>\n", escaped(&own))));
+    let doubts = told.outcome.doubts(told.experiment);
+    text.extend(doubts.iter().map(|own| format!("<p>{}</p>\n", escaped(own))));
     if told.outcome.verdict.has_names() {
         text += &parameters(last);
         // After one round the same pictures stand there.

@@ -54,7 +54,9 @@ pub fn page(told: &Told<'_>) -> Result<String, PlotError> {
     }
     body += &end::section(told)?;
     body += &apart::section(told.outcome);
-    body += &limits::section(&told.outcome.limits);
+    if !told.outcome.limits.is_empty() {
+        body += &limits::section(&told.outcome.limits);
+    }
     body += "</main>\n";
     Ok(html::page(title, &body))
 }
@@ -77,7 +79,7 @@ fn in_short(told: &Told<'_>) -> String {
                 gap(after)
             )
         }
-        Verdict::NothingMissing | Verdict::CannotJudge => {
+        Verdict::NothingMissing | Verdict::CannotJudge if !base.leaves_structure() => {
             format!("What the patch leaves looks like noise: {}.", gap(base))
         }
         _ => format!("The patch leaves {}, and that does not look like noise.", gap(base)),
