@@ -1,7 +1,7 @@
 //! Whether columns move, and whether the patch can hold what they hold.
 
 use super::document::{Document, Wire};
-use super::examine::examine;
+use super::examine::{examine, wild};
 use super::experiment::Experiment;
 use super::record::Record;
 use crate::machines::REFERENCE;
@@ -67,6 +67,31 @@ pub(super) fn check(made: &Experiment, document: &Document, findings: &mut Findi
     }
     findings.extend(unknown_noise(made, document));
     findings.extend(next_to_no_noise(made, document));
+    findings.extend(wild_samples(made, document));
+}
+
+/// So many wild samples are told with their times.
+const TOLD: usize = 3;
+
+/// That samples of an output were let slip.
+fn wild_samples(made: &Experiment, document: &Document) -> Vec<Diagnostic> {
+    let told = document.outputs.iter().enumerate().filter_map(|(place, output)| {
+        let of = |record: &Record| {
+            let samples = &record.outputs[place];
+            let noise = examine(samples, record.interval).noise.map_or(0.0, |noise| noise.sigma);
+            let (name, begin, interval) = (record.name.clone(), record.begin, record.interval);
+            let found = wild(samples, noise).into_iter();
+            found.map(move |sample| format!("{} s in {name}", told(begin + sample as f64 * interval)))
+        };
+        let all: Vec<String> = made.train.iter().chain(&made.test).flat_map(of).collect();
+        let column = &output.wire.column;
+        let more = if all.len() > TOLD { format!(", {} in all", all.len()) } else { String::new() };
+        let times = all[..all.len().min(TOLD)].join(", ");
+        let message =
+            || format!("{} is far off what stands before and behind: at {times}{more}", column.value);
+        (!all.is_empty()).then(|| Diagnostic::at(Code::WildSample, column.span, message()))
+    });
+    told.collect()
 }
 
 /// The noise of an output is no less than this share of its size: numbers are not told better.

@@ -3,6 +3,7 @@
 mod noise;
 mod quantum;
 mod spectrum;
+mod wild;
 
 pub use noise::{Noise, NoiseKind};
 pub use spectrum::SHARES;
@@ -11,6 +12,7 @@ use noise::noise;
 use quantum::quantum;
 use spectrum::frequencies_below;
 pub(super) use spectrum::peaks;
+pub(super) use wild::wild;
 
 /// What a column is like. Values are in its unit.
 #[derive(Debug, Clone, PartialEq)]
