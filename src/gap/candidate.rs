@@ -16,7 +16,7 @@ const COMB: usize = 8;
 /// They lie as far apart as the first two, but for this share.
 const UNEVEN: f64 = 1e-6;
 /// By these shares of the way from one of them to the next a fit is moved, to see whether it ended in the wrong one.
-const BESIDE: [f64; 4] = [0.1, 0.2, 0.35, 0.5];
+const BESIDE: [f64; 5] = [0.04, 0.1, 0.2, 0.35, 0.5];
 
 /// An effect wired into a patch.
 #[derive(Debug, Clone)]
@@ -95,6 +95,12 @@ impl Candidate {
             })
         });
         moved.collect()
+    }
+
+    /// Values of its parameters, those out of their ranges at the ends of these.
+    pub fn within(&self, values: &[f64]) -> Vec<f64> {
+        let pairs = values.iter().zip(&self.graft.parameters);
+        pairs.map(|(value, own)| value.clamp(own.range[0], own.range[1])).collect()
     }
 
     /// Whether it is this effect at this place.

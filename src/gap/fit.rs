@@ -6,9 +6,8 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use super::model::{Choice, Course, Knob, Model};
-use super::normal::{Column, Normal, Spread, product};
+use super::normal::{Column, Normal};
 use super::record::Record;
-use super::score::{in_blocks, together};
 use crate::machines::REFERENCE;
 
 /// What is fitted to what.
@@ -24,6 +23,8 @@ pub struct Task<'a> {
     pub offset: &'a [bool],
     /// Whether the knobs are turned; initial voltages are found in any case.
     pub turns: bool,
+    /// A knob that is not, all the same.
+    pub held: Option<usize>,
     /// A fit that will not bring the sum of squares below this is given up.
     pub wanted: f64,
     /// So often the derivatives are worked out at most.
@@ -56,10 +57,6 @@ pub struct Fitted {
     pub count: usize,
     /// How many numbers were fitted.
     pub free: usize,
-    /// Standard errors of the knobs were the noise white, in declared units; infinite where the data do not tell.
-    pub errors: Vec<f64>,
-    /// The same by how much blocks of the records disagree, whatever the noise is like.
-    pub by_blocks: Vec<f64>,
 }
 
 /// Where a fit has come to.
@@ -113,7 +110,7 @@ const SETTLED: f64 = 0.01;
 /// Where fits end unless a task says otherwise.
 pub const SETTLED_SHARE: f64 = 1e-6;
 /// By this share of its range a coordinate is moved for a derivative.
-const NUDGE: f64 = 1e-6;
+pub(super) const NUDGE: f64 = 1e-6;
 /// A coordinate that would change the squares by less than this, all its way, is left where it is.
 const LEAST_FELT: f64 = 1.0;
 
@@ -252,7 +249,7 @@ impl Task<'_> {
     }
 
     /// What the model does at several points: of every record; nothing where one of them cannot be run.
-    fn courses(&self, points: &[DVector<f64>]) -> Vec<Option<Vec<Course>>> {
+    pub(super) fn courses(&self, points: &[DVector<f64>]) -> Vec<Option<Vec<Course>>> {
         let mut all = vec![Some(Vec::new()); points.len()];
         for record in 0..self.records.len() {
             let choices: Vec<_> = points.iter().map(|at| self.choice(at, record)).collect();
@@ -295,7 +292,7 @@ impl Task<'_> {
     pub(super) fn is_free(&self, index: usize) -> bool {
         let knobs = self.model.knobs.len();
         match index {
-            index if index < knobs => self.turns,
+            index if index < knobs => self.turns && self.held != Some(index),
             index if index < self.common() => self.offset[index - knobs],
             _ => true,
         }
@@ -315,33 +312,48 @@ impl Task<'_> {
 
     /// The derivatives of every residual, gathered into normal matrix and gradient.
     fn normal(&self, at: &DVector<f64>, courses: &[Course]) -> Normal {
-        let mut normal = Normal::empty(at.len());
+        let (mut normal, nudges) = (Normal::empty(at.len()), self.nudges(at));
         for (record, course) in courses.iter().enumerate() {
-            let outputs = self.told_by(at, record, course);
+            let outputs = self.told_by(at, record, course, &nudges);
             outputs.iter().for_each(|(columns, residual)| normal.add(columns, residual));
         }
         normal
     }
 
     /// Of every output of a record the derivatives of its residuals, each behind its coordinate, and these residuals.
-    fn told_by(&self, at: &DVector<f64>, record: usize, course: &Course) -> Vec<(Vec<Column>, Vec<f64>)> {
-        let responses = self.responses(at, record, course).into_iter().enumerate();
+    pub(super) fn told_by(
+        &self,
+        at: &DVector<f64>,
+        record: usize,
+        course: &Course,
+        nudges: &[f64],
+    ) -> Vec<(Vec<Column>, Vec<f64>)> {
+        let responses = self.responses_over(at, record, course, nudges).into_iter().enumerate();
         responses.map(|(output, columns)| (columns, self.residual(at, record, output, course))).collect()
     }
 
     /// Of every output of a record the derivatives of its residuals, each behind the coordinate that is moved.
     pub(super) fn responses(&self, at: &DVector<f64>, record: usize, course: &Course) -> Vec<Vec<Column>> {
+        self.responses_over(at, record, course, &self.nudges(at))
+    }
+
+    /// The same by so large moves of each.
+    fn responses_over(
+        &self,
+        at: &DVector<f64>,
+        record: usize,
+        course: &Course,
+        nudges: &[f64],
+    ) -> Vec<Vec<Column>> {
         let moved: Vec<usize> = (0..self.turned()).chain(self.states_of(record)).collect();
-        let nudges: Vec<f64> = moved.iter().map(|index| self.nudge(at, *index)).collect();
-        let choices =
-            moved.iter().zip(&nudges).map(|(index, nudge)| self.choice(&nudged(at, *index, *nudge), record));
+        let choices = moved.iter().map(|index| self.choice(&nudged(at, *index, nudges[*index]), record));
         let beside = self.model.run(record, &choices.collect::<Vec<_>>());
         let of_output = |output: usize| {
             let mut columns: Vec<Column> = Vec::new();
-            for ((index, nudge), other) in moved.iter().zip(&nudges).zip(&beside) {
+            for (index, other) in moved.iter().zip(&beside) {
                 // Where a neighbour cannot be run, that coordinate stays.
                 let Some(other) = other else { continue };
-                let scale = -1.0 / (nudge * self.sigma[output]);
+                let scale = -1.0 / (nudges[*index] * self.sigma[output]);
                 let pairs = other[output].iter().zip(&course[output]);
                 columns.push((*index, pairs.map(|(there, here)| (there - here) * scale).collect()));
             }
@@ -353,10 +365,15 @@ impl Task<'_> {
         (0..self.sigma.len()).map(of_output).collect()
     }
 
-    /// By how much a coordinate is moved for a derivative, away from the end of its way.
-    pub(super) fn nudge(&self, at: &DVector<f64>, index: usize) -> f64 {
+    /// By how much every coordinate is moved for a derivative, away from the end of its way.
+    pub(super) fn nudges(&self, at: &DVector<f64>) -> Vec<f64> {
+        (0..at.len()).map(|index| self.nudge(at, index, NUDGE)).collect()
+    }
+
+    /// A move of such a size, away from the end of its way.
+    pub(super) fn nudge(&self, at: &DVector<f64>, index: usize, size: f64) -> f64 {
         let [_, high] = self.bounds(index);
-        if at[index] + NUDGE > high { -NUDGE } else { NUDGE }
+        if at[index] + size > high { -size } else { size }
     }
 
     /// The best of several steps, damped more and less: where to, what the model does there, the sum of squares and the
@@ -416,53 +433,18 @@ impl Task<'_> {
         }
     }
 
-    /// How every block of residuals pulls at the coordinates: its gradient.
-    fn pulls(&self, columns: &[Column], residual: &[f64], count: usize) -> Vec<DVector<f64>> {
-        let mut first = 0;
-        let pull = |part: &[f64]| {
-            let mut pull = DVector::zeros(count);
-            for (index, column) in columns {
-                pull[*index] = product(&column[first..], part, part);
-            }
-            first += part.len();
-            pull
-        };
-        in_blocks(residual, self.records.len()).map(pull).collect()
-    }
-
-    /// Errors of the knobs, in declared units, from those of all coordinates.
-    fn of_knobs(&self, point: &Point, errors: Vec<f64>) -> Vec<f64> {
-        let knobs = self.model.knobs.iter().zip(&point.knobs);
-        let scaled = knobs.zip(errors).map(|((knob, value), error)| error * knob.slope(*value));
-        scaled.collect()
-    }
-
     /// What is to be told of a point that was fitted; nothing where the model cannot be run there.
     pub fn told(&self, point: &Point) -> Option<Fitted> {
         let at = self.shares(point);
         let courses = self.courses(std::slice::from_ref(&at)).pop()??;
         let chi2 = self.chi2(&at, &courses);
-        let (mut normal, mut pulls) = (Normal::empty(at.len()), Vec::new());
-        let mut residuals: Vec<Vec<Vec<f64>>> = Vec::new();
-        for (record, course) in courses.iter().enumerate() {
-            let outputs = self.told_by(&at, record, course);
-            outputs.iter().for_each(|(columns, residual)| normal.add(columns, residual));
-            let each = outputs.iter().map(|(columns, residual)| self.pulls(columns, residual, at.len()));
-            pulls.extend(together(each));
-            residuals.push(outputs.into_iter().map(|(_, residual)| residual).collect());
-        }
+        let residuals = courses.iter().enumerate().map(|(record, course)| {
+            (0..self.sigma.len()).map(|output| self.residual(&at, record, output, course)).collect::<Vec<_>>()
+        });
+        let residuals: Vec<Vec<Vec<f64>>> = residuals.collect();
         let count = residuals.iter().flatten().flatten().filter(|value| !value.is_nan()).count();
-        let way = |index: usize| {
-            let [least, most] = self.bounds(index);
-            (index, most - least)
-        };
-        let free: Vec<_> = (0..at.len()).filter(|index| self.is_free(*index)).map(way).collect();
-        let spread = Spread::of(&normal, &free);
-        // A block is bent by its own record's initial voltages, not by those of others.
-        let bent = free.len() - (self.records.len() - 1) * self.model.initial.len();
-        let errors = self.of_knobs(point, spread.errors());
-        let by_blocks = self.of_knobs(point, spread.errors_by(&pulls, bent));
-        Some(Fitted { point: point.clone(), chi2, residuals, count, free: free.len(), errors, by_blocks })
+        let free = (0..at.len()).filter(|index| self.is_free(*index)).count();
+        Some(Fitted { point: point.clone(), chi2, residuals, count, free })
     }
 }
 
@@ -517,6 +499,7 @@ mod tests {
             sigma: &[1.0],
             offset: &[false],
             turns: true,
+            held: None,
             wanted: f64::INFINITY,
             most_rounds: MOST_ROUNDS,
             settled: SETTLED_SHARE,

@@ -120,6 +120,18 @@ impl Spread {
         self.each(|row| few * moves.iter().map(|own| own[row] * own[row]).sum::<f64>().sqrt())
     }
 
+    /// Where all coordinates go, so that the squares rise least, where one of them goes by 1.
+    pub(super) fn along(&self, index: usize) -> DVector<f64> {
+        let mut along = DVector::zeros(self.count);
+        if let Some(row) = self.told.iter().position(|told| *told == index) {
+            let moved = &self.root * self.root.row(row).transpose();
+            for (place, (told, unit)) in self.told.iter().zip(&self.units).enumerate() {
+                along[*told] = moved[place] * unit / (moved[row] * self.units[row]);
+            }
+        }
+        along
+    }
+
     /// Where a gradient would move what is told of, in its units.
     fn moved(&self, gradient: &DVector<f64>) -> DVector<f64> {
         let own = self.told.iter().zip(&self.units).map(|(index, unit)| gradient[*index] * unit);
@@ -178,6 +190,16 @@ mod tests {
         let errors = Spread::of(&normal, &[(0, 1.0), (1, 1.0), (2, 1.0)]).errors();
         assert!(errors[0].is_infinite() && errors[1].is_infinite(), "{errors:?}");
         assert!((errors[2] - 50.0_f64.sqrt().recip()).abs() < 2e-3, "{errors:?}");
+    }
+
+    #[test]
+    fn where_one_goes_another_makes_up_for_it() {
+        let mut normal = Normal::empty(2);
+        let (one, other) = (vec![1.0, 1.0, 0.0], vec![0.0, 2.0, 2.0]);
+        normal.add(&[(0, one), (1, other)], &[0.0; 3]);
+        let along = Spread::of(&normal, &[(0, 1.0), (1, 1.0)]).along(0);
+        // The second takes away of the first what is along it: - (1 * 2) / (2 * 2 + 2 * 2).
+        assert!((along - DVector::from_vec(vec![1.0, -0.25])).norm() < 1e-12);
     }
 
     #[test]

@@ -10,7 +10,6 @@ use super::candidate::Candidate;
 use super::experiment::Experiment;
 use super::graft::RECORD_START;
 use super::model::{ModelError, begun};
-use super::report::interval;
 use super::round::Round;
 use super::search::Outcome;
 use super::stage::Stage;
@@ -61,9 +60,9 @@ impl Outcome {
     }
 
     fn effect(&self, own: &Candidate, round: &Round) -> String {
-        let parameters = self.last.brought(own).map(|(own, value, error)| {
-            let [low, high] = interval(value, error);
-            let between = match error.is_finite() {
+        let parameters = self.last.brought(own).map(|(own, value, known)| {
+            let [low, high] = known.interval;
+            let between = match known.error.is_finite() {
                 true => format!("{} ... {}", number(low), number(high)),
                 false => "anything".to_owned(),
             };

@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use super::candidate::Candidate;
 use super::experiment::Experiment;
 use super::fit::Fitted;
+use super::intervals::Known;
 use super::limits::{Blind, Limit, best_places};
 use super::record::Record;
 use super::round::{LeftOut, Round, Trial};
@@ -14,19 +15,17 @@ use super::stage::{Problem, Stage};
 use super::whereabouts::Whereabouts;
 use crate::instruments::number;
 
-/// The standard errors, from twenty blocks, on either side of a value between which it lies in 95 of 100 cases: Student.
-pub(super) const TWO_SIDED_95: f64 = 2.09;
-
 impl Stage {
     /// The standard error of what is fitted at a place, in words.
     pub fn error_told(&self, place: usize) -> String {
-        let error = self.error(place);
+        let error = self.known(place).error;
         if error.is_finite() { number(error) } else { "not told".to_owned() }
     }
 
     /// What the data do not tell of what is fitted, in a sentence; nothing where they tell of all.
     pub fn untold(&self) -> Option<String> {
-        let untold = self.version.fit.iter().enumerate().filter(|(place, _)| !self.error(*place).is_finite());
+        let untold =
+            self.version.fit.iter().enumerate().filter(|(place, _)| !self.known(*place).error.is_finite());
         let names: Vec<&str> = untold.map(|(_, name)| name.as_str()).collect();
         let why = match names.as_slice() {
             [] => return None,
@@ -206,7 +205,11 @@ impl Round {
 
     /// The best of the trials that the data cannot tell from the best of all.
     pub fn rival(&self) -> Option<&Trial> {
-        self.trials.iter().skip(1).find(|trial| self.is_tied(trial))
+        self.rival_place().map(|place| &self.trials[place])
+    }
+
+    pub(super) fn rival_place(&self) -> Option<usize> {
+        (1..self.trials.len()).find(|place| self.is_tied(&self.trials[*place]))
     }
 }
 
@@ -231,19 +234,14 @@ fn effect(candidate: &Candidate, stage: &Stage) -> Value {
     })
 }
 
-/// Between which values it lies in 95 of 100 cases.
-pub(super) fn interval(value: f64, error: f64) -> [f64; 2] {
-    [value - TWO_SIDED_95 * error, value + TWO_SIDED_95 * error]
-}
-
-fn measured(value: f64, error: f64, unit: &str) -> Value {
-    json!({"value": value, "unit": unit, "interval": interval(value, error).map(|end| if end.is_finite() { json!(end) } else { Value::Null })})
+fn measured(value: f64, known: Known, unit: &str) -> Value {
+    json!({"value": value, "unit": unit, "interval": known.interval.map(|end| if end.is_finite() { json!(end) } else { Value::Null })})
 }
 
 fn parameters(stage: &Stage) -> Value {
     let fit = stage.version.fit.iter().enumerate().map(|(place, name)| {
         let unit = stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
-        (name.clone(), measured(stage.train.point.knobs[place], stage.error(place), unit))
+        (name.clone(), measured(stage.train.point.knobs[place], stage.known(place), unit))
     });
     fit.collect::<Map<_, _>>().into()
 }

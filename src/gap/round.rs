@@ -274,7 +274,7 @@ mod tests {
         let library = Library::shipped();
         let mut all = library.iter().flat_map(|effect| Attached::all(effect, &sites));
         let limit = all.find(|own| own.effect.name == "saturation").unwrap();
-        let asked = Asked { effort: Effort::QUICK, wanted: f64::INFINITY, before: None };
+        let asked = Asked { effort: Effort::QUICK, wanted: f64::INFINITY, before: None, known: None };
         problem.attempt(&base, &limit, &peaks, asked).unwrap()
     }
 

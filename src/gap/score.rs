@@ -133,7 +133,7 @@ mod tests {
         let point = Point { knobs: Vec::new(), initial: Vec::new(), offsets: Vec::new() };
         let all = residuals.iter().flatten().flatten();
         let (chi2, count) = (all.clone().map(|own| own * own).sum(), all.count());
-        Fitted { point, chi2, residuals, count, free: 0, errors: Vec::new(), by_blocks: Vec::new() }
+        Fitted { point, chi2, residuals, count, free: 0 }
     }
 
     fn wave(count: u32) -> Vec<f64> {

@@ -152,10 +152,11 @@ impl Problem {
                 break;
             }
         }
-        let Come { rounds, effects, stage } = match before_promise {
+        let Come { mut rounds, effects, stage } = match before_promise {
             None => self.settled(&base, come, true, with, &mut progress)?,
             Some(before) => self.settled(&base, come, false, with, &mut progress)?.or(before),
         };
+        let stage = self.with_intervals(stage, base.version.fit.len(), with.threads)?;
         let left = stage.gap() / base.gap();
         let limits = match rounds.first() {
             Some(round) => self.limits(round, with.threads)?,
@@ -179,10 +180,15 @@ impl Problem {
             Verdict::Ambiguous => self.separating(&rounds)?,
             _ => None,
         };
+        for round in &mut rounds {
+            if let Some(rival) = round.rival_place() {
+                round.trials[rival].stage = self.with_errors(round.trials[rival].stage.clone())?;
+            }
+        }
         Ok(Some(Outcome {
             verdict,
             agreement: self.agreement(&base, with.seed)?,
-            base,
+            base: self.with_errors(base)?,
             rounds,
             effects,
             last: stage,
@@ -199,8 +205,8 @@ impl Problem {
         Ok(Outcome {
             verdict: Verdict::CannotJudge,
             agreement: self.agreement(&base, seed)?,
-            last: base.clone(),
-            base,
+            last: self.with_errors(base.clone())?,
+            base: self.with_errors(base)?,
             rounds: Vec::new(),
             effects: Vec::new(),
             left: 1.0,
@@ -235,7 +241,7 @@ impl Problem {
             }
             let others = come.effects.iter().enumerate().filter(|(other, _)| *other != place);
             let others: Vec<&Candidate> = others.map(|(_, own)| own).collect();
-            let Some((kept, without)) = self.joined(base, &others, with.library)? else { break };
+            let Some((kept, without)) = self.joined(base, &others, &come.stage, with.library)? else { break };
             let is_needed = without.leaves_structure();
             let again = is_needed.then(|| self.round(&without, &kept, with, progress)).transpose()?;
             match again {
@@ -256,11 +262,13 @@ impl Problem {
         Ok(come)
     }
 
-    /// A stage with several effects wired in one after the other; nothing where one does not fit any more.
+    /// A stage with several effects wired in one after the other, which begin as they were found; nothing where one does not fit
+    /// any more.
     fn joined(
         &self,
         base: &Stage,
         effects: &[&Candidate],
+        found: &Stage,
         library: &Library,
     ) -> Result<Option<(Vec<Candidate>, Stage)>, ModelError> {
         let (mut kept, mut stage) = (Vec::new(), base.clone());
@@ -271,7 +279,9 @@ impl Problem {
                 return Ok(None);
             };
             let peaks = self.peaks(&stage)?;
-            let asked = Asked { effort: Effort::FULL, wanted: stage.train.chi2, before: None };
+            let known: Vec<f64> = found.brought(effect).map(|(_, value, _)| value).collect();
+            let asked =
+                Asked { effort: Effort::FULL, wanted: stage.train.chi2, before: None, known: Some(&known) };
             match self.attempt(&stage, &attached, &peaks, asked) {
                 Ok((candidate, next)) => {
                     kept.push(candidate);
@@ -326,7 +336,7 @@ impl Problem {
         let tried = pool::each(
             &all,
             with.threads,
-            |own| attempt(own, Asked { effort: Effort::QUICK, wanted: before, before: None }),
+            |own| attempt(own, Asked { effort: Effort::QUICK, wanted: before, before: None, known: None }),
             |done| tell(Part::Quick, done, all.len()),
         );
         let left_out: Vec<LeftOut> = all
@@ -352,7 +362,7 @@ impl Problem {
                     let wanted = if Some(*place) == first { before } else { reached };
                     let come = tried[*place].as_ref().map(|(_, stage)| stage);
                     // What cannot be fitted with more effort stays as it was with less.
-                    attempt(&all[*place], Asked { effort, wanted, before: come }).ok()
+                    attempt(&all[*place], Asked { effort, wanted, before: come, known: None }).ok()
                 },
                 |done| tell(part, done, order.len()),
             );
@@ -367,11 +377,11 @@ impl Problem {
         }
         let tried: Vec<(Candidate, Stage)> = tried.into_iter().flatten().collect();
         let best = tried.iter().map(|(_, stage)| stage.train.chi2).fold(f64::INFINITY, f64::min);
-        let found_again = |(_, stage): &(Candidate, Stage)| match stage.train.chi2 < NEAR * best {
-            true => self.found_again(stage),
+        let finished = |(_, stage): &(Candidate, Stage)| match stage.train.chi2 < NEAR * best {
+            true => self.finished(stage),
             false => Ok(None),
         };
-        let again = pool::each(&tried, with.threads, found_again, |_| ());
+        let again = pool::each(&tried, with.threads, finished, |_| ());
         let tried = tried
             .into_iter()
             .zip(again)
@@ -425,9 +435,10 @@ impl Come {
         come
     }
 
-    /// What came of a promise: what was there before, unless two effects or more hold together that one alone did not.
+    /// What came of a promise: what was there before, unless more effects hold together.
     fn or(self, before: Come) -> Come {
-        if self.effects.len() > before.effects.len() + 1 { self } else { before }
+        let all_hold = self.rounds.iter().take(self.effects.len()).all(|round| round.taken);
+        if self.effects.len() > before.effects.len() && all_hold { self } else { before }
     }
 
     /// Whether to go on with a round: it is one more, and its best is taken, or may be beside what is still missing.

@@ -8,7 +8,8 @@ use super::examine::{examine, peaks};
 use super::experiment::{Experiment, Feed};
 use super::fit::{Fitted, MOST_ROUNDS, Point, SETTLED_SHARE, Task};
 use super::graft::{Attached, Brought, Place, Role};
-use super::model::{Choice, Course, Model, ModelError};
+use super::intervals::Known;
+use super::model::{Choice, Model, ModelError};
 use super::reach::Largest;
 use super::record::Record;
 use super::score::{colour, memory};
@@ -86,12 +87,14 @@ pub struct Stage {
     pub memory: f64,
     /// Where the fit to the pieces came to; nothing where the gap is so small that it was not needed.
     pub in_pieces: Option<Point>,
+    /// How well each value that is fitted is known; nothing before [`Problem::with_errors`].
+    pub known: Vec<Known>,
 }
 
 impl Stage {
     fn new(version: Version, train: Fitted, test: Fitted, in_pieces: Option<Point>) -> Stage {
         let (colour, memory) = (colour(&train), memory(&train));
-        Stage { version, train, test, colour, memory, in_pieces }
+        Stage { version, train, test, colour, memory, in_pieces, known: Vec::new() }
     }
 
     /// What no noise explains, in sigmas rms.
@@ -114,22 +117,20 @@ impl Stage {
         self.train.over_noise() >= FAR
     }
 
-    /// The parameters that an effect brought, their values and standard errors.
+    /// The parameters that an effect brought, their values, and how well these are known.
     pub(super) fn brought<'s>(
         &'s self,
         effect: &'s Candidate,
-    ) -> impl Iterator<Item = (&'s Brought, f64, f64)> {
+    ) -> impl Iterator<Item = (&'s Brought, f64, Known)> {
         effect.graft.parameters.iter().filter_map(|own| {
             let place = self.version.fit.iter().position(|name| *name == own.name)?;
-            Some((own, self.train.point.knobs[place], self.error(place)))
+            Some((own, self.train.point.knobs[place], self.known(place)))
         })
     }
 
-    /// The standard error of what is fitted at a place, as wide as what is left, and how long that remembers, makes it, and at
-    /// least as wide as parts of the records disagree.
-    pub fn error(&self, place: usize) -> f64 {
-        let of_noise = self.train.errors[place] * (self.train.reduced().max(1.0) * self.memory).sqrt();
-        of_noise.max(self.train.by_blocks[place])
+    /// How well what is fitted at a place is known; not at all where that was not worked out.
+    pub fn known(&self, place: usize) -> Known {
+        self.known.get(place).copied().unwrap_or(Known::NOT)
     }
 }
 
@@ -156,6 +157,8 @@ pub struct Asked<'a> {
     pub wanted: f64,
     /// Where the same trial came to with less effort.
     pub before: Option<&'a Stage>,
+    /// Values of its parameters known from elsewhere, if there are any.
+    pub known: Option<&'a [f64]>,
 }
 
 /// From where a stage is fitted.
@@ -190,10 +193,6 @@ const FAR: f64 = 5.0;
 const GLANCED_AT: usize = 4000;
 /// and finds in so many rounds how all of them begin.
 const NEARLY: usize = 4;
-/// The solver may err by this share of the noise, rms.
-const FINE: f64 = 0.1;
-/// No sample takes more steps than this.
-const MOST_STEPS: u32 = 64;
 
 /// Where a column shows no noise, this share of its range counts as such: what the digits of a recorder leave.
 const LEAST_NOISE: f64 = 1e-6;
@@ -225,37 +224,8 @@ impl Problem {
             is_cut: experiment.pieces.is_some(),
             steps: 1,
         };
-        problem.steps = problem.fine_enough(&experiment.patch, &experiment.fit)?;
+        problem.steps = problem.steps(&experiment.patch, &experiment.fit)?;
         Ok(problem)
-    }
-
-    /// Steps a sample with which the solver errs in no record by more than a tenth of the noise, beside twice as many.
-    fn fine_enough(&self, patch: &Patch, fit: &[String]) -> Result<u32, ModelError> {
-        let run = |steps: u32| {
-            let version = Version { patch: patch.clone(), fit: fit.to_vec(), free: Vec::new(), steps };
-            let model = self.model(&version, &self.train, &self.outputs)?;
-            let at = Point::of(&model, 0);
-            let choices = at.initial.into_iter().map(|initial| Choice { knobs: at.knobs.clone(), initial });
-            let courses = choices.enumerate().map(|(record, own)| model.run(record, &[own]).pop().flatten());
-            Ok::<_, ModelError>(courses.collect::<Option<Vec<Course>>>())
-        };
-        let mut coarse = run(1)?;
-        for steps in [1, 2, 4, 8, 16, 32] {
-            let fine = run(2 * steps)?;
-            if coarse.as_ref().zip(fine.as_ref()).is_some_and(|(coarse, fine)| self.agree(coarse, fine)) {
-                return Ok(steps);
-            }
-            coarse = fine;
-        }
-        Ok(MOST_STEPS)
-    }
-
-    /// Whether two runs of all records differ by less than a tenth of the noise.
-    fn agree(&self, coarse: &[Course], fine: &[Course]) -> bool {
-        let pairs =
-            coarse.iter().zip(fine).flat_map(|(coarse, fine)| coarse.iter().zip(fine).zip(&self.sigma));
-        let errs = pairs.map(|((coarse, fine), sigma)| rms_difference(coarse, fine) / sigma);
-        errs.fold(0.0, f64::max) < FINE
     }
 
     pub(super) fn model(
@@ -275,6 +245,7 @@ impl Problem {
             sigma,
             offset,
             turns,
+            held: None,
             wanted: f64::INFINITY,
             most_rounds: MOST_ROUNDS,
             settled: SETTLED_SHARE,
@@ -385,8 +356,19 @@ impl Problem {
         if !self.is_cut && stage.is_far() {
             stage = self.over_pieces(stage)?;
         }
-        let again = self.found_again(&stage)?;
-        Ok(Some(again.unwrap_or(stage)))
+        let finished = self.finished(&stage)?;
+        Ok(Some(finished.unwrap_or(stage)))
+    }
+
+    /// A stage with steps that are fine enough where it came to, and begun in the right place where it is held back; nothing where
+    /// it has and is.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records.
+    pub(super) fn finished(&self, stage: &Stage) -> Result<Option<Stage>, ModelError> {
+        let refined = self.refined(stage)?;
+        let again = self.found_again(refined.as_ref().unwrap_or(stage))?;
+        Ok(again.or(refined))
     }
 
     /// A stage whose gap is large, fitted from its pieces on, too.
@@ -419,10 +401,23 @@ impl Problem {
                 .collect(),
             offsets: other.offsets.clone(),
         };
-        let from = From { held: Some(&stage.test.point.initial), ..From::points(vec![start]) };
-        let again = self.stage(stage.version.clone(), from, f64::INFINITY)?;
-        let again = again.map(|again| Stage { in_pieces: stage.in_pieces.clone(), ..again });
+        let again = self.again(stage, stage.version.clone(), start)?;
         Ok(again.filter(|again| again.train.chi2 < BETTER * stage.train.chi2))
+    }
+
+    /// A stage in another version, fitted from a point on.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records at all.
+    pub(super) fn again(
+        &self,
+        stage: &Stage,
+        version: Version,
+        start: Point,
+    ) -> Result<Option<Stage>, ModelError> {
+        let from = From { held: Some(&stage.test.point.initial), ..From::points(vec![start]) };
+        let again = self.stage(version, from, f64::INFINITY)?;
+        Ok(again.map(|again| Stage { in_pieces: stage.in_pieces.clone(), ..again }))
     }
 
     /// The largest values of what the signals and drives of a stage come to in training.
@@ -498,7 +493,8 @@ impl Problem {
                 let moved = candidate.beside(own).into_iter();
                 moved.map(move |own| Point { knobs: [others, &own].concat(), ..before.clone() })
             });
-            let sure = candidate.without.iter().map(with).chain(before.cloned());
+            let known = asked.known.map(|known| with(&candidate.within(known)));
+            let sure = candidate.without.iter().map(with).chain(known).chain(before.cloned());
             let others = candidate.starts.iter().map(with).chain(beside);
             Starts { sure: sure.collect(), others: others.collect() }
         };
@@ -569,9 +565,4 @@ fn widened(ends: [f64; 2], track: &[f64]) -> [f64; 2] {
 fn noise(record: &Record, output: usize) -> f64 {
     let is = examine(&record.outputs[output], record.interval);
     is.noise.map_or(0.0, |noise| noise.sigma.max(LEAST_NOISE * (is.most - is.least)))
-}
-
-fn rms_difference(left: &[f64], right: &[f64]) -> f64 {
-    let sum: f64 = left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum();
-    (sum / left.len().max(1) as f64).sqrt()
 }

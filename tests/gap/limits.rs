@@ -114,7 +114,7 @@ fn what_can_be_changed_together_is_told() {
         let forces: Vec<f64> = (0..800).map(|sample| force * f64::from(sample % 100)).collect();
         let (experiment, problem) = measured(&forces, &stood);
         let base = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
-        base.untold()
+        problem.with_errors(base).unwrap().untold()
     };
     let told = untold(1e-9).unwrap();
     assert!(told.starts_with("These data do not tell M, k, c: their values"), "{told}");

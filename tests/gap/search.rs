@@ -33,6 +33,8 @@ fn named(case: &str, parameter: &str, true_one: &str) {
     let told = &effect["parameters"][parameter];
     let near = told["value"].as_f64().unwrap() / wanted;
     assert!((near - 1.0).abs() < 0.02, "{told} {wanted}");
+    let [low, high] = [0, 1].map(|end| told["interval"][end].as_f64().unwrap());
+    assert!((low..high).contains(&wanted) && high - low < 0.1 * wanted.abs(), "{told} {wanted}");
     for part in ["train", "test"] {
         let over = |when: &str| {
             let gaps = document["gap"][when][part].as_object().unwrap().values();
@@ -48,6 +50,12 @@ fn named(case: &str, parameter: &str, true_one: &str) {
 #[test]
 fn a_pump_at_its_limit_is_named() {
     named("saturation", "L", "L");
+}
+
+/// Laws with kinks: how steps of the solver fall on these is no part of how far a value may be off.
+#[test]
+fn a_soft_dead_zone_is_named_and_its_width_lies_in_its_interval() {
+    named("dead-zone", "b", "b");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Where and when something is missing: junctions beside each other, and the force at the best of them.
 
 use super::sheet::{bar, number, pictures, table};
-use crate::gap::report::TWO_SIDED_95;
+use crate::gap::intervals::TWO_SIDED_95;
 use crate::gap::search::Outcome;
 use crate::gap::whereabouts::{self, Curve, Force, Whereabouts};
 use crate::html::escaped;

@@ -1,7 +1,7 @@
 //! A force that nobody knows: wired to a junction as a table, and found by regularised least squares on what each of its numbers
 //! does to the outputs, beside knobs, initial voltages and offsets.
 
-use crate::gap::fit::{Point, Task, nudged};
+use crate::gap::fit::{NUDGE, Point, Task, nudged};
 use crate::gap::model::{Choice, Course, Table};
 use nalgebra::{DMatrix, DVector};
 
@@ -245,7 +245,7 @@ impl Sought<'_> {
         // Of each further lane its column, and by how much it was moved.
         let mut moved: Vec<(usize, f64)> = Vec::new();
         for (column, index) in free.iter().enumerate().filter(|(_, index)| self.matters(**index, record)) {
-            let nudge = self.task.nudge(at, *index);
+            let nudge = self.task.nudge(at, *index, NUDGE);
             lanes.push(self.lane(record, &nudged(at, *index, nudge), sought));
             moved.push((column, nudge));
         }

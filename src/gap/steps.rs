@@ -1,0 +1,142 @@
+//! How many steps the solver takes from sample to sample, so that its own error stays well under the noise.
+
+use super::fit::Point;
+use super::model::{Choice, Course, ModelError};
+use super::stage::{Problem, Stage, Version};
+use crate::patch::Patch;
+
+/// The solver may err by this share of the noise, rms.
+const FINE: f64 = 0.1;
+/// No sample takes more steps than this.
+const MOST_STEPS: u32 = 64;
+/// So often a fit is made again with finer steps: where it comes to, these may be too coarse again.
+const MOST_REFINED: usize = 4;
+
+impl Problem {
+    /// Steps with which the solver errs little, for a patch as it stands; the most where none do.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records.
+    pub(super) fn steps(&self, patch: &Patch, fit: &[String]) -> Result<u32, ModelError> {
+        let version = Version { patch: patch.clone(), fit: fit.to_vec(), free: Vec::new(), steps: 1 };
+        let at = Point::of(&self.model(&version, &self.train, &self.outputs)?, self.outputs.len());
+        Ok(self.fine_enough(&version, &at, 1.0)?.unwrap_or(MOST_STEPS))
+    }
+
+    /// A stage fitted again with finer steps, where the solver errs by too much at the point that it came to; nothing where it
+    /// does not, or where no steps are fine enough.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records.
+    pub(super) fn refined(&self, stage: &Stage) -> Result<Option<Stage>, ModelError> {
+        let mut refined: Option<Stage> = None;
+        for _ in 0..MOST_REFINED {
+            let own = refined.as_ref().unwrap_or(stage);
+            let (version, point) = (&own.version, &own.train.point);
+            let steps = self.fine_enough(version, point, own.train.over_noise())?;
+            let Some(steps) = steps.filter(|steps| *steps > version.steps) else { break };
+            let again = self.again(own, Version { steps, ..version.clone() }, point.clone())?;
+            let Some(again) = again else { break };
+            refined = Some(again);
+        }
+        Ok(refined)
+    }
+
+    /// The fewest steps, those of a version or twice, four times as many, with which the solver errs in no record by more than a
+    /// tenth of the noise, or of what is left over that, beside twice as many; nothing where none do.
+    fn fine_enough(&self, version: &Version, at: &Point, left: f64) -> Result<Option<u32>, ModelError> {
+        let run = |steps: u32| {
+            let model = self.model(&Version { steps, ..version.clone() }, &self.train, &self.outputs)?;
+            let choices =
+                at.initial.iter().map(|initial| Choice { knobs: at.knobs.clone(), initial: initial.clone() });
+            let courses = choices.enumerate().map(|(record, own)| model.run(record, &[own]).pop().flatten());
+            Ok::<_, ModelError>(courses.collect::<Option<Vec<Course>>>())
+        };
+        let (mut steps, mut coarse) = (version.steps, run(version.steps)?);
+        while steps < MOST_STEPS {
+            let fine = run(2 * steps)?;
+            if coarse
+                .as_ref()
+                .zip(fine.as_ref())
+                .is_some_and(|(coarse, fine)| self.error(coarse, fine) < FINE * left.max(1.0))
+            {
+                return Ok(Some(steps));
+            }
+            (steps, coarse) = (2 * steps, fine);
+        }
+        Ok(None)
+    }
+
+    /// By how much two runs differ at most in an output of a record, rms over the noise.
+    fn error(&self, coarse: &[Course], fine: &[Course]) -> f64 {
+        let pairs =
+            coarse.iter().zip(fine).flat_map(|(coarse, fine)| coarse.iter().zip(fine).zip(&self.sigma));
+        let errs = pairs.map(|((coarse, fine), sigma)| rms_difference(coarse, fine) / sigma);
+        errs.fold(0.0, f64::max)
+    }
+}
+
+fn rms_difference(left: &[f64], right: &[f64]) -> f64 {
+    let sum: f64 = left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum();
+    (sum / left.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+pub(in crate::gap) mod tests {
+    use super::*;
+    use crate::gap::record::Record;
+
+    /// The rate, per sample, and the amplitude of a decay, in volts.
+    pub const RATE: f64 = 2.0;
+    pub const AMPLITUDE: f64 = 50.0;
+
+    /// A decay of 20 samples with noise that is told, and none in it; the rate is sought from 0 to 10 per sample.
+    pub fn decay(sigma: f64, steps: u32) -> (Patch, Vec<String>, Problem) {
+        let patch = r#"{
+  "patchcord": 1,
+  "parameters": {"rate": {"value": 1, "unit": "1", "range": [0, 10]}},
+  "elements": {
+    "P1": {"kind": "pot", "in": "A1", "setting": "rate / 10"},
+    "A1": {"kind": "integrator", "in": {"x100": ["P1"]}, "initial": 30}
+  }
+}"#;
+        let patch = Patch::parse("decay.json", patch).unwrap_or_else(|report| panic!("{report}"));
+        let decayed = (0..20).map(|sample| AMPLITUDE * (-RATE * f64::from(sample)).exp());
+        let record = Record {
+            name: String::new(),
+            begin: 0.0,
+            since: 0.0,
+            interval: 0.1,
+            jitter: 0.0,
+            drives: Vec::new(),
+            outputs: vec![decayed.collect()],
+        };
+        let records = vec![record];
+        let problem = Problem {
+            drives: Vec::new(),
+            outputs: vec!["A1".to_owned()],
+            sigma: vec![sigma],
+            offset: vec![false],
+            train: records.clone(),
+            pieces: records.clone(),
+            test: records,
+            is_cut: false,
+            steps,
+        };
+        (patch, vec!["rate".to_owned()], problem)
+    }
+
+    #[test]
+    fn a_fit_with_steps_that_are_too_coarse_is_made_again() {
+        let fitted = |sigma: f64| {
+            let (patch, fit, problem) = decay(sigma, 1);
+            let stage = problem.base(&patch, &fit, 1).unwrap().unwrap();
+            (stage.version.steps, stage.train.point.knobs[0])
+        };
+        let (steps, rate) = fitted(1e-3);
+        assert!(steps > 8 && (rate - RATE).abs() < 1e-4, "{steps} {rate}");
+        // Where the noise hides what the solver errs by, steps are as coarse as they may be.
+        let (coarse, _) = fitted(1.0);
+        assert!((2..steps).contains(&coarse), "{coarse} {steps}");
+    }
+}
