@@ -242,6 +242,22 @@ fn a_flat_extreme_begins_where_it_was_reached() {
     }
 }
 
+/// States are remembered from step to step, and read off within one, wherever samples fall.
+#[test]
+fn states_are_recorded_alike_however_often() {
+    let circuit = circuit(&common::shipped("thesis/fig-8-16"), &[("v_start", 3e-3)]);
+    let program = Program::new(&circuit).unwrap();
+    let own = RunSettings::of(&circuit).unwrap().lasting(0.06);
+    let record = ["A1", "A3", "A6", "v_o"].map(str::to_owned).to_vec();
+    for steps in [0.4, 1.0 - 1e-10, 1.0, 1.0 + 1e-7, 2.0, 2.5, 7.0, 64.0, 100.0] {
+        let settings = RunSettings { every: steps * own.step, record: record.clone(), ..own.clone() };
+        let (folded, reference) = both(&program, &settings);
+        assert!(folded.tracks[3].courses[0].most.volts > 1.0, "it never slipped");
+        let found = difference(&folded, &reference);
+        assert!(found <= 1e-9, "every {steps} steps: {found:e} V");
+    }
+}
+
 /// Samples that come before the end of a step by less than the grid of steps tells apart.
 #[test]
 fn samples_just_before_a_step_ends_are_read_off_it() {

@@ -39,6 +39,8 @@ pub struct Candidate {
     pub starts: Vec<Vec<f64>>,
     /// The value of its first parameter at which there is no effect, where that lies in its range.
     pub none: Option<f64>,
+    /// Effects that it is the same as where the data do not excite what sets it apart.
+    pub(super) aliases: Vec<String>,
     /// Of every parameter how far the values lie apart from which fits begin, where they are many.
     combs: Vec<Option<f64>>,
 }
@@ -78,6 +80,7 @@ impl Candidate {
             without: over_shapes(none.into_iter().collect(), MOST_SHAPES),
             starts: over_shapes(starts, MOST_STARTS),
             none,
+            aliases: attached.effect.aliases.keys().cloned().collect(),
             combs: measured.iter().map(|own| own.comb).collect(),
         }))
     }
@@ -101,6 +104,11 @@ impl Candidate {
     pub fn within(&self, values: &[f64]) -> Vec<f64> {
         let pairs = values.iter().zip(&self.graft.parameters);
         pairs.map(|(value, own)| value.clamp(own.range[0], own.range[1])).collect()
+    }
+
+    /// Whether it may be but another: an alias at the same place.
+    pub fn may_be(&self, other: &Candidate) -> bool {
+        self.junction == other.junction && self.aliases.contains(&other.effect)
     }
 
     /// Whether it is this effect at this place.

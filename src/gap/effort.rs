@@ -11,8 +11,19 @@ pub struct Effort {
     starts: usize,
     /// through heats one after the other.
     heats: &'static [Heat],
-    /// Whether all records are fitted, or a few of many; and held against the others from every point, or only looked at.
+    /// How a few of many records are made use of, if they are.
+    glance: Option<Glance>,
+    /// Whether what is held back is begun from every point, and fitted to the end.
     pub(super) is_thorough: bool,
+}
+
+/// Of many records a few go first:
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Glance {
+    /// so many of the heats are theirs,
+    heats: usize,
+    /// and from where these come to, all records go through others.
+    then: &'static [Heat],
 }
 
 /// A round of fits from several points, of which those that come furthest go on.
@@ -34,12 +45,17 @@ impl Heat {
 
 impl Effort {
     /// Enough to see whether more is worth while.
-    pub const QUICK: Effort =
-        Effort { starts: 1, heats: &[Heat::new(1, 1, 1.0), Heat::new(4, 1, 1.0)], is_thorough: false };
+    pub const QUICK: Effort = Effort {
+        starts: 1,
+        heats: &[Heat::new(1, 1, 1.0), Heat::new(4, 1, 1.0)],
+        glance: Some(Glance { heats: 2, then: &[Heat::new(1, 1, 1.0)] }),
+        is_thorough: false,
+    };
     /// Enough to be held against others.
     pub const FULL: Effort = Effort {
         starts: 4,
         heats: &[Heat::new(1, 3, 1.0), Heat::new(4, 2, 1.0), Heat::new(MOST_ROUNDS, 1, 1.0)],
+        glance: Some(Glance { heats: 2, then: &[Heat::new(2, 1, 1.0), Heat::new(MOST_ROUNDS, 1, 1.0)] }),
         is_thorough: true,
     };
     /// Where motion swings or sticks: what is fitted to all of it at once keeps step with the wrong swing.
@@ -51,6 +67,7 @@ impl Effort {
             Heat::new(MOST_ROUNDS, 4, 0.65),
             Heat::new(MOST_ROUNDS, 1, 1.0),
         ],
+        glance: None,
         is_thorough: true,
     };
     /// Where it is not known how a record begins: the beginning first.
@@ -62,6 +79,7 @@ impl Effort {
             Heat::new(MOST_ROUNDS, 2, 0.65),
             Heat::new(MOST_ROUNDS, 1, 1.0),
         ],
+        glance: None,
         is_thorough: true,
     };
 }
@@ -79,8 +97,21 @@ pub(super) struct Starts {
 }
 
 impl Effort {
+    /// What is done with a few of many records, and then with all; nothing where all are fitted from the beginning.
+    pub(super) fn at_a_glance(self) -> Option<[Effort; 2]> {
+        self.glance.map(|Glance { heats, then }| {
+            let few = Effort { heats: &self.heats[..heats], ..self };
+            [few, Effort { heats: then, ..self }].map(|own| Effort { glance: None, ..own })
+        })
+    }
+
     /// Where a task comes to from the best of several points.
     pub(super) fn best(self, task: &Task<'_>, starts: &Starts) -> Option<Point> {
+        self.ahead(task, starts).into_iter().next()
+    }
+
+    /// Where a task comes to from the points that are ahead after the last heat, the best first.
+    pub(super) fn ahead(self, task: &Task<'_>, starts: &Starts) -> Vec<Point> {
         let sure = starts.sure.iter().cloned();
         let begun = |point: Point| Reached { point, chi2: f64::INFINITY, has_ended: false };
         let first = self.heats.first().and_then(|heat| Beginnings::of(task, heat.until));
@@ -101,7 +132,7 @@ impl Effort {
             ahead.truncate(heat.ahead);
             seen = heat.until;
         }
-        ahead.into_iter().next().map(|best| best.point)
+        ahead.into_iter().map(|own| own.point).collect()
     }
 }
 

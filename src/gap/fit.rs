@@ -31,6 +31,8 @@ pub struct Task<'a> {
     pub most_rounds: usize,
     /// A fit has ended when a round lowers the sum of squares by less than this share of it, or by less than matters.
     pub settled: f64,
+    /// The dampings of steps that are tried side by side, as shares of the last.
+    pub dampings: &'static [f64],
 }
 
 /// A point from which a fit begins, or at which it ends.
@@ -103,6 +105,10 @@ const NEXT_TO_NOTHING: f64 = 1e-6;
 pub const MOST_ROUNDS: usize = 40;
 /// So many dampings are tried for a step at most.
 const MOST_TRIED: usize = 16;
+/// Side by side where what is sought may be far,
+pub const MANY_DAMPINGS: &[f64] = &[0.1, 1.0, 10.0, 100.0];
+/// and one after the other where the way is straight, or runs side by side take as long.
+pub const ONE_DAMPING: &[f64] = &[0.3];
 /// So often they are worked out before a fit may be given up.
 const FIRST_ROUNDS: usize = 4;
 /// What does not matter: so much of the sum of squares, or, where more than noise is left, of what is left by a sample.
@@ -146,7 +152,9 @@ impl Task<'_> {
     /// The initial voltages of a record, found without the others.
     fn begins(&self, from: &Point, record: usize) -> Option<Vec<f64>> {
         let (model, records) = (self.model.alone(record), &self.records[record..=record]);
-        let alone = Task { model: &model, records, ..*self };
+        // Of many records each is short.
+        let dampings = if self.records.len() > 1 { ONE_DAMPING } else { self.dampings };
+        let alone = Task { model: &model, records, dampings, ..*self };
         let from = Point { initial: vec![from.initial[record].clone()], ..from.clone() };
         alone.reached(&from)?.point.initial.pop()
     }
@@ -385,10 +393,9 @@ impl Task<'_> {
         normal: &Normal,
         damping: f64,
     ) -> Option<(DVector<f64>, Vec<Course>, f64, f64)> {
-        let factors: &[f64] = if self.model.goes_abreast() { &[0.1, 1.0, 10.0, 100.0] } else { &[0.3] };
         let mut damping = damping;
-        for _ in 0..(MOST_TRIED / factors.len()) {
-            let tried: Vec<f64> = factors.iter().map(|factor| factor * damping).collect();
+        for _ in 0..(MOST_TRIED / self.dampings.len()) {
+            let tried: Vec<f64> = self.dampings.iter().map(|factor| factor * damping).collect();
             let points: Vec<_> = tried.iter().map(|damping| self.damped(at, normal, *damping)).collect();
             let courses = self.courses(&points);
             let mut best: Option<(DVector<f64>, Vec<Course>, f64, f64)> = None;
@@ -503,6 +510,7 @@ mod tests {
             wanted: f64::INFINITY,
             most_rounds: MOST_ROUNDS,
             settled: SETTLED_SHARE,
+            dampings: ONE_DAMPING,
         };
         let from = Point { knobs: Vec::new(), initial: vec![vec![from]], offsets: vec![0.0] };
         task.fit(&from).unwrap().point.initial[0][0]

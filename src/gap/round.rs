@@ -71,6 +71,8 @@ const NOISE: f64 = 1.2;
 pub(super) const APART: f64 = 2.5;
 /// and by a score of so much.
 const APART_BY: f64 = 6.0;
+/// What stands less than so many standard errors above its alias is that.
+const NO_ALIAS: f64 = 1.0;
 /// An effect beside others must close such a share of what they leave, in squares, or all of it that is no noise.
 pub(super) const LEAST_CLOSED: f64 = 0.5;
 /// The score of an effect beside others must be so many times what that of a single one must be: the law of another may have a
@@ -99,6 +101,13 @@ impl Trial {
     /// How many numbers are fitted.
     fn numbers(&self) -> usize {
         self.stage.version.fit.len()
+    }
+
+    /// Whether it is no better than another that needs fewer numbers, above which it stands by so many standard errors, and leaves
+    /// structure: there more numbers follow what neither explains. To be no alias of the other it must be so much better.
+    fn is_too_rich_beside(&self, other: &Trial, above: f64) -> bool {
+        let is_richer = self.numbers() > other.numbers() && self.stage.leaves_structure();
+        is_richer && (above <= 0.0 || above < NO_ALIAS && self.candidate.may_be(&other.candidate))
     }
 
     /// How another stands above it, on all records. What has changed by the time of the test blurs that: where the other leaves
@@ -214,12 +223,9 @@ impl Round {
         trial.score > self.needed && trial.behind.ratio() < -APART && -trial.behind.sum > price
     }
 
-    /// Whether a trial does with fewer numbers as well as the best, where that leaves structure: there more numbers follow what
-    /// neither explains.
+    /// Whether a trial does with fewer numbers as well as the best.
     fn is_simpler(&self, trial: &Trial) -> bool {
-        let best = &self.trials[0];
-        let has_fewer = trial.numbers() < best.numbers() && best.stage.leaves_structure();
-        has_fewer && trial.score > self.needed && trial.behind.sum <= 0.0
+        trial.score > self.needed && self.trials[0].is_too_rich_beside(trial, trial.behind.ratio())
     }
 
     /// Whether all other effects leave far more than the best.
@@ -244,6 +250,8 @@ impl Round {
         };
         let is_far = leaves_far_more(|stage| &stage.train) && leaves_far_more(|stage| &stage.test);
         let is_as_good = !trial.stage.leaves_structure() || best.stage.leaves_structure() && !is_far;
+        let is_too_rich = trial.is_too_rich_beside(best, -trial.behind.ratio());
+        let is_as_good = is_as_good && !is_too_rich;
         trial.candidate.effect != best.candidate.effect && trial.score > self.needed && is_near && is_as_good
     }
 }
@@ -309,15 +317,20 @@ mod tests {
     #[test]
     fn where_structure_is_left_the_simpler_goes_before_what_is_no_better() {
         let like = any();
-        let of = |test: [f64; 2], colour: f64| {
+        let beside = |simple: &str, test: [f64; 2], colour: f64| {
             let mut rich = trial(&like, "rich", 4, 9.0, test);
             rich.1.colour = colour;
-            judged(&like, vec![trial(&like, "simple", 3, 10.0, [20.0; 2]), rich])
+            judged(&like, vec![trial(&like, simple, 3, 10.0, [20.0; 2]), rich])
         };
+        let of = |test: [f64; 2], colour: f64| beside("simple", test, colour);
         assert_eq!(of([28.6, 5.0], 100.0), ("simple".to_owned(), 1));
         // What is better, though not beyond doubt, or leaves but noise, is not put behind.
         assert_eq!(of([28.0, 5.0], 100.0), ("rich".to_owned(), 2));
         assert_eq!(of([28.6, 5.0], 0.0), ("rich".to_owned(), 1));
+        // It is but its alias, if it is not clearly better.
+        let of = |test: [f64; 2]| beside(&like.0.aliases[0], test, 100.0);
+        assert_eq!(of([28.0, 5.0]), ("overflow".to_owned(), 1));
+        assert_eq!(of([24.0, 5.0]), ("rich".to_owned(), 2));
     }
 
     #[test]

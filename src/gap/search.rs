@@ -132,7 +132,7 @@ impl Problem {
         let mut come = Come { rounds: Vec::new(), effects: Vec::new(), stage: base.clone() };
         let (mut bettered, mut before_promise) = (0, None);
         while come.rounds.len() < MOST_EFFECTS {
-            let round = self.round(&come.stage, &come.effects, with, &mut progress)?;
+            let round = self.round(&come.stage, &come.effects, None, with, &mut progress)?;
             // A trial may have found what the patch alone could have been fitted to.
             let better = match bettered < MOST_BETTERED {
                 true => self.better(&come.stage, &round, with.threads)?,
@@ -243,7 +243,9 @@ impl Problem {
             let others: Vec<&Candidate> = others.map(|(_, own)| own).collect();
             let Some((kept, without)) = self.joined(base, &others, &come.stage, with.library)? else { break };
             let is_needed = without.leaves_structure();
-            let again = is_needed.then(|| self.round(&without, &kept, with, progress)).transpose()?;
+            let found = Found::of(&come.effects[place], &come.stage);
+            let again =
+                is_needed.then(|| self.round(&without, &kept, Some(&found), with, progress)).transpose()?;
             match again {
                 Some(again) if again.taken => {
                     others_stand &= again.trials[0].candidate.is_same(&come.effects[place]);
@@ -279,7 +281,7 @@ impl Problem {
                 return Ok(None);
             };
             let peaks = self.peaks(&stage)?;
-            let known: Vec<f64> = found.brought(effect).map(|(_, value, _)| value).collect();
+            let known = Found::of(effect, found).values;
             let asked =
                 Asked { effort: Effort::FULL, wanted: stage.train.chi2, before: None, known: Some(&known) };
             match self.attempt(&stage, &attached, &peaks, asked) {
@@ -313,11 +315,12 @@ impl Problem {
         }
     }
 
-    /// Tries every effect on a stage that has some already.
+    /// Tries every effect on a stage that has some already; of one it may be known where it came to beside others.
     fn round(
         &self,
         stage: &Stage,
         effects: &[Candidate],
+        found: Option<&Found<'_>>,
         with: &Means<'_>,
         progress: &mut impl FnMut(Progress),
     ) -> Result<Round, ModelError> {
@@ -336,7 +339,10 @@ impl Problem {
         let tried = pool::each(
             &all,
             with.threads,
-            |own| attempt(own, Asked { effort: Effort::QUICK, wanted: before, before: None, known: None }),
+            |own| {
+                let known = found.and_then(|found| found.values_of(own));
+                attempt(own, Asked { effort: Effort::QUICK, wanted: before, before: None, known })
+            },
             |done| tell(Part::Quick, done, all.len()),
         );
         let left_out: Vec<LeftOut> = all
@@ -414,6 +420,23 @@ fn better_of(
     other: Option<(Candidate, Stage)>,
 ) -> Option<(Candidate, Stage)> {
     one.into_iter().chain(other).min_by(|(_, a), (_, b)| a.train.chi2.total_cmp(&b.train.chi2))
+}
+
+/// An effect, and the values that it came to beside others.
+struct Found<'a> {
+    effect: &'a Candidate,
+    values: Vec<f64>,
+}
+
+impl<'a> Found<'a> {
+    fn of(effect: &'a Candidate, stage: &Stage) -> Self {
+        Found { effect, values: stage.brought(effect).map(|(_, value, _)| value).collect() }
+    }
+
+    /// Its values where an effect is the same.
+    fn values_of(&self, attached: &Attached<'_>) -> Option<&[f64]> {
+        self.effect.is(attached).then_some(&*self.values)
+    }
 }
 
 /// How far a search has come.

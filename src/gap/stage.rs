@@ -6,7 +6,7 @@ use super::candidate::Candidate;
 use super::effort::{Effort, Starts};
 use super::examine::{examine, peaks};
 use super::experiment::{Experiment, Feed};
-use super::fit::{Fitted, MOST_ROUNDS, Point, SETTLED_SHARE, Task};
+use super::fit::{Fitted, MANY_DAMPINGS, MOST_ROUNDS, ONE_DAMPING, Point, SETTLED_SHARE, Task};
 use super::graft::{Attached, Brought, Place, Role};
 use super::intervals::Known;
 use super::model::{Choice, Model, ModelError};
@@ -249,6 +249,7 @@ impl Problem {
             wanted: f64::INFINITY,
             most_rounds: MOST_ROUNDS,
             settled: SETTLED_SHARE,
+            dampings: if model.goes_abreast() { MANY_DAMPINGS } else { ONE_DAMPING },
         }
     }
 
@@ -265,17 +266,19 @@ impl Problem {
         let mut starts = from.starts;
         starts.sure.extend(in_pieces.as_ref().map(|point| self.joined_up(point)));
         let glance = self.glance();
-        let best = match from.effort.is_thorough || glance.len() == self.train.len() {
-            true => from.effort.best(&task, &starts),
-            false => {
-                let glanced = self.at_a_glance(&version, &glance, &starts, from.effort)?;
+        let is_open = starts.sure.len() + starts.others.len() > 1;
+        let split = from.effort.at_a_glance().filter(|_| is_open && glance.len() < self.train.len());
+        let best = match split {
+            None => from.effort.best(&task, &starts),
+            Some([few, all]) => {
+                let glanced = self.at_a_glance(&version, &glance, &starts, few)?;
                 let nearly = Task { most_rounds: NEARLY, ..task };
-                let settled = glanced.and_then(|point| nearly.settled(&point));
-                // What a few records lead astray may be found from none of it, too.
-                let points = settled.into_iter().chain(starts.sure.first().cloned());
-                let once = Task { most_rounds: 1, ..task };
-                let reached = points.filter_map(|point| once.reached(&point));
-                reached.min_by(|a, b| a.chi2.total_cmp(&b.chi2)).map(|best| best.point)
+                let settled = glanced.iter().filter_map(|point| nearly.settled(point));
+                // What a few records lead astray may be found from where it came to before, and at first from none of it.
+                let none = starts.sure.first().filter(|_| !from.effort.is_thorough);
+                let known = none.into_iter().chain(starts.sure.last());
+                let sure = settled.chain(known.cloned()).collect();
+                all.best(&task, &Starts { sure, ..Starts::default() })
             }
         };
         let Some(train) = best.and_then(|point| task.told(&point)) else { return Ok(None) };
@@ -302,14 +305,14 @@ impl Problem {
         (0..count).map(|place| place * records / count).collect()
     }
 
-    /// Where a patch fitted to a few of the records comes to; the others begin where they did before.
+    /// Where a patch fitted to a few of the records comes to, the best first; the others begin where they did before.
     fn at_a_glance(
         &self,
         version: &Version,
         places: &[usize],
         starts: &Starts,
         effort: Effort,
-    ) -> Result<Option<Point>, ModelError> {
+    ) -> Result<Vec<Point>, ModelError> {
         let records: Vec<Record> = places.iter().map(|place| self.train[*place].clone()).collect();
         let model = self.model(version, &records, &self.outputs)?;
         let few = |point: &Point| {
@@ -318,13 +321,14 @@ impl Problem {
         };
         let all = |points: &[Point]| points.iter().map(few).collect();
         let some = Starts { sure: all(&starts.sure), others: all(&starts.others) };
-        let best = effort.best(&self.task(&model, &records, true), &some);
-        let Some((first, best)) = starts.sure.iter().chain(&starts.others).next().zip(best) else {
-            return Ok(None);
-        };
-        let mut initial = first.initial.clone();
-        places.iter().zip(best.initial).for_each(|(place, own)| initial[*place] = own);
-        Ok(Some(Point { initial, ..best }))
+        let Some(first) = starts.sure.iter().chain(&starts.others).next() else { return Ok(Vec::new()) };
+        let ahead = effort.ahead(&self.task(&model, &records, true), &some).into_iter();
+        let whole = ahead.map(|own| {
+            let mut initial = first.initial.clone();
+            places.iter().zip(own.initial).for_each(|(place, begins)| initial[*place] = begins);
+            Point { initial, ..own }
+        });
+        Ok(whole.collect())
     }
 
     /// A point of the pieces as one of the records whole.

@@ -41,6 +41,8 @@ pub(crate) struct Frame<V> {
     pub(super) extremes: Extremes<V>,
     /// Room for blocks of steps that native code goes blindly; nothing where none does.
     pub(super) rows: Rows,
+    /// What was remembered of the steps gone last.
+    pub(super) trail: Trail,
     /// The tables that are looked up at time itself.
     pub(super) schedules: Vec<Schedule>,
     /// What they give in the middle of a look of native code, and at its end.
@@ -60,6 +62,13 @@ pub(super) struct Stretch<V> {
     pub end: f64,
     pub states: Vec<V>,
     pub rates: Vec<V>,
+}
+
+/// The voltages that are followed, at the ends of steps one after the other.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Trail {
+    pub is_kept: bool,
+    pub volts: Vec<f64>,
 }
 
 /// The least and the largest of voltages, and when each was met first.
@@ -94,6 +103,7 @@ impl Kernel {
             highs: zeros(self.fences.len()),
             extremes: Extremes::of(self.followed.len()),
             rows: Rows::default(),
+            trail: Trail::default(),
             schedules: self.scheduled.iter().copied().map(Schedule::of).collect(),
             ahead: vec![0.0; 2 * self.scheduled.len()],
             lines: vec![Vec::new(); V::COUNT],
@@ -179,6 +189,24 @@ impl Frame<f64> {
     /// A voltage that is recorded, as it was worked out last.
     pub fn last_seen(&self, kernel: &Kernel, index: usize) -> f64 {
         self.slots[kernel.seen[index].slot as usize]
+    }
+
+    /// What was remembered is forgotten, and the steps to come are, or are not.
+    pub fn remember(&mut self, is_kept: bool) {
+        self.trail.is_kept = is_kept;
+        self.trail.volts.clear();
+    }
+
+    /// A voltage that is recorded, at the end of one of the steps that are remembered: what its kernel works out there, where that
+    /// [`Folded::remembers`](super::Folded::remembers).
+    pub fn seen_after(&self, kernel: &Kernel, step: u64, index: usize) -> Option<f64> {
+        let (at, line) = kernel.seen[index].follows?;
+        let volts = self.trail.volts[step as usize * kernel.followed.len() + at];
+        Some(line.map_or(volts, |[constant, factor]| {
+            let product = |addend: f64| self.slots[factor as usize].mul_add(volts, addend);
+            // A kernel adds no constant where there is none: a product of zero keeps its sign.
+            product(if kernel.is_zero(constant) { -0.0 } else { self.slots[constant as usize] })
+        }))
     }
 
     /// The least and the largest of a recorded voltage with their instants, in the order in which they were met; none of

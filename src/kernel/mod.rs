@@ -175,6 +175,14 @@ impl Kernel {
         Kernel::can_be_of(program).then(|| layout::laid_out(fold::folded(program, modes, seen), program))
     }
 
+    /// Whether all that is recorded follows states: what it is at the end of a step is known of these.
+    fn records_states(&self) -> bool {
+        let states = self.layout.states..self.layout.time;
+        let is_state =
+            |seen: &Seen| seen.follows.is_some_and(|(at, _)| states.contains(&(self.followed[at] as usize)));
+        self.seen.iter().all(is_state)
+    }
+
     /// How many operations its native code has, or would have. A step and a look have four stages each, and checks in their
     /// middle and at their end; at the slots everything is worked out once.
     fn operations(&self) -> usize {
@@ -184,6 +192,11 @@ impl Kernel {
         let in_the_middle = |checks: &Checks| length(&checks.middle) + checks.in_middle;
         let stepped = |checks: &Checks| 4 * moving + in_the_middle(checks) + all(checks);
         stepped(&self.quick) + stepped(&self.thorough) + moving + all(&self.thorough)
+    }
+
+    /// Whether 0 stands in a slot whatever the parameters are.
+    fn is_zero(&self, slot: Slot) -> bool {
+        matches!(self.factors.get(slot as usize), Some(Factor::Number(value)) if *value == 0.0)
     }
 
     /// What stands in a slot whatever the parameters are.

@@ -109,6 +109,11 @@ impl Columns {
         ((ROOM / self.width) as u64).clamp(1, LONGEST)
     }
 
+    /// The voltages that are followed, in a row.
+    fn followed_of(&self, row: &[Vector]) -> impl Iterator<Item = f64> {
+        self.followed.iter().map(|column| take(row, *column))
+    }
+
     /// How many vectors of a row are looked at, the first.
     fn judged(&self) -> usize {
         self.rates / TOGETHER
@@ -255,6 +260,10 @@ impl Frame<f64> {
             return 0;
         }
         self.see_rows(columns, &Steps { count: gone, ..*steps });
+        if self.trail.is_kept {
+            let (rows, trail) = (&self.rows, &mut self.trail.volts);
+            (1..=gone).for_each(|row| trail.extend(columns.followed_of(rows.row(columns, row))));
+        }
         let last = self.rows.row(columns, gone);
         self.states.iter_mut().zip(&columns.states).for_each(|(state, column)| *state = take(last, *column));
         self.rates.iter_mut().zip(columns.rates..).for_each(|(rate, column)| *rate = take(last, column));

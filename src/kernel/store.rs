@@ -17,6 +17,8 @@ pub(crate) struct Folded {
     modes: Vec<f64>,
     seen: Vec<Register>,
     pub kernel: Kernel,
+    /// Whether all that is recorded follows states.
+    records_states: bool,
     native: OnceLock<Option<Native>>,
     /// So many steps and looks are interpreted before native code is made.
     pays: u64,
@@ -57,6 +59,7 @@ impl Kernels {
             seen: seen.to_vec(),
             native: OnceLock::new(),
             pays: pays(&kernel),
+            records_states: kernel.records_states(),
             kernel,
             interpreted: AtomicU64::new(0),
         });
@@ -114,6 +117,11 @@ impl Folded {
     /// From how many frames on their steps are quicker taken together than by one after the other.
     pub fn fewest_abreast(&self, backend: Backend) -> usize {
         if self.native(backend).is_some() { FEWEST_BEYOND_NATIVE } else { FEWEST_ABREAST }
+    }
+
+    /// Whether what is recorded is remembered of every step, where that is asked for: of states, by native code.
+    pub fn remembers(&self, backend: Backend) -> bool {
+        self.records_states && self.native(backend).is_some()
     }
 
     /// Counts what native code, where it may still be made, would have been quicker at.

@@ -103,8 +103,9 @@ impl Flight {
         holds
     }
 
-    /// Goes so many steps of a grid as long as nothing is met: how many were gone.
-    fn steps(&mut self, tables: &[Vec<[f64; 2]>], steps: &Steps) -> u64 {
+    /// Goes so many steps of a grid as long as nothing is met: how many were gone. What is recorded is remembered of each, or not.
+    fn steps(&mut self, tables: &[Vec<[f64; 2]>], steps: &Steps, is_remembered: bool) -> u64 {
+        self.frame.remember(is_remembered);
         self.folded.steps(&mut self.frame, tables, steps, self.backend)
     }
 
@@ -125,6 +126,12 @@ impl Flight {
     pub fn show(&mut self, tables: &[Vec<[f64; 2]>]) {
         self.folded.kernel.stay(&mut self.frame, tables);
         self.folded.work_out(&mut self.frame, tables, self.backend);
+    }
+
+    /// The recorded voltages at the end of one of the steps gone last, which are remembered.
+    pub fn seen_after(&self, step: u64) -> impl Iterator<Item = f64> + '_ {
+        let kernel = &self.folded.kernel;
+        (0..kernel.seen.len()).filter_map(move |index| self.frame.seen_after(kernel, step, index))
     }
 
     /// The recorded voltages as they were worked out last.
@@ -236,23 +243,26 @@ impl Machine<'_> {
         witness: &mut impl Witness,
     ) -> u64 {
         let mut gone = 0;
-        let (mut sample, mut before_sample) = (f64::NAN, 0);
         while gone < steps.count {
             let left = steps.after(gone);
-            if witness.next_sample() != sample {
-                sample = witness.next_sample();
-                before_sample = gone + left.until(sample);
-            }
             // Dust is swept on a grid of its own, so that what is recorded changes nothing.
-            let count = before_sample.saturating_sub(gone).min(left.up_to_multiple_of(SWEPT));
+            let most = Steps { count: left.up_to_multiple_of(SWEPT).min(left.count), ..left };
+            let remembers = flight.folded.remembers(flight.backend);
+            let count = match remembers {
+                true => witness.steps_before_stray(most),
+                false => most.until(witness.next_sample()),
+            };
             let block = Steps { count: if meets { 0 } else { count }, ..left };
-            let done = flight.steps(&self.program.tables, &block);
+            let done = flight.steps(&self.program.tables, &block, remembers);
             meets = false;
             self.work.steps += done;
             self.work.evaluations += 4 * done;
             if done > 0 {
                 self.time = flight.frame.time;
-                witness.glided(self, flight);
+                match remembers {
+                    true => witness.glided_along(self, flight, Steps { count: done, ..left }),
+                    false => witness.glided(self, flight),
+                }
             }
             gone += done;
             // What is met is crossed, and a sample within a step is read off that step.

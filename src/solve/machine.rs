@@ -12,7 +12,7 @@ use super::sensitivity::Sensitivities;
 use super::tableau::{CLASSICAL, DORMAND_PRINCE, Tableau};
 use crate::delay_line::DelayLine;
 use crate::grid::Grid;
-use crate::kernel::Backend;
+use crate::kernel::{Backend, Steps};
 use crate::program::{Program, Scratch, Sources};
 use crate::trace::{Overload, Work};
 
@@ -113,6 +113,12 @@ pub(super) trait Witness {
     fn arrival(&mut self, machine: &Machine<'_>);
     /// Quiet steps were gone, the last of which may have gone past the next sample.
     fn glided(&mut self, _: &Machine<'_>, _: &mut Flight) {}
+    /// Quiet steps were gone that are remembered, past no sample within one of them.
+    fn glided_along(&mut self, _: &Machine<'_>, _: &Flight, _: Steps) {}
+    /// How many of some steps, the first, end before a sample that is due within a step.
+    fn steps_before_stray(&self, steps: Steps) -> u64 {
+        steps.count
+    }
     /// The machine no longer glides.
     fn landed(&mut self, _: &Flight) {}
     /// When the next sample is due, in problem time.

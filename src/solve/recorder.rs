@@ -1,10 +1,13 @@
 //! The recorder: writes down voltages on a time grid of its own while the machine runs and holds.
 
+use std::ops::Range;
+
 use super::error::RunError;
 use super::glide::Flight;
 use super::machine::{Machine, Witness};
 use super::run::RunSettings;
 use crate::grid::{Grid, SAME};
+use crate::kernel::Steps;
 use crate::program::{Probe, Program, Register};
 use crate::trace::{Deed, Ending, Mark, Sweep, Trace, Track};
 
@@ -232,12 +235,22 @@ impl<'a> Recorder<'a> {
         self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(run, time, value));
     }
 
-    /// Writes down what a flight has worked out last.
-    fn write_seen(&mut self, time: f64, flight: &Flight) {
+    /// Writes down what was seen in a flight.
+    fn write_seen(&mut self, time: f64, seen: impl Iterator<Item = f64>) {
         self.trace.time.push(time);
-        let values = self.trace.tracks.iter_mut().zip(flight.seen());
-        values.for_each(|(track, volts)| track.volts.push(volts));
+        self.trace.tracks.iter_mut().zip(seen).for_each(|(track, volts)| track.volts.push(volts));
         self.wait_for(self.next + 1);
+    }
+
+    /// When a step ends, by its clock.
+    fn end_of(&self, steps: Steps, step: u64) -> f64 {
+        steps.end_of(step) + self.held
+    }
+
+    /// All of some steps, where the next instant of its grid comes before their end; else none.
+    fn steps_with_samples(&self, steps: Steps) -> Range<u64> {
+        let comes = steps.count > 0 && self.next_time < self.end_of(steps, steps.count - 1) * (1.0 + SAME);
+        0..if comes { steps.count } else { 0 }
     }
 
     /// Takes note of what a flight has worked out within a step; how far its steps went is seen when it ends.
@@ -256,7 +269,7 @@ impl<'a> Recorder<'a> {
     pub fn glided_to(&mut self, machine: &Machine<'_>, flight: &Flight) {
         let due = self.due(machine);
         if let Some(time) = due {
-            self.write_seen(time, flight);
+            self.write_seen(time, flight.seen());
         }
         self.is_fresh = due.is_some();
         self.tell_progress(machine);
@@ -326,12 +339,39 @@ impl Witness for Recorder<'_> {
         while let Some(time) = self.next_before(self.clock(machine) * (1.0 - SAME)) {
             flight.look_back(tables, time - self.held);
             self.see_within(time, flight);
-            self.write_seen(time, flight);
+            self.write_seen(time, flight.seen());
         }
         if self.due(machine).is_some() {
             flight.show(tables);
         }
         self.glided_to(machine, flight);
+    }
+
+    /// Writes down the instants of the grid at the ends of steps.
+    fn glided_along(&mut self, machine: &Machine<'_>, flight: &Flight, steps: Steps) {
+        self.is_fresh = false;
+        for step in self.steps_with_samples(steps) {
+            self.is_fresh = self.next_time < self.end_of(steps, step) * (1.0 + SAME);
+            if self.is_fresh {
+                self.write_seen(self.next_time, flight.seen_after(step));
+            }
+        }
+        self.tell_progress(machine);
+    }
+
+    fn steps_before_stray(&self, steps: Steps) -> u64 {
+        let (mut next, mut time) = (self.next, self.next_time);
+        for step in self.steps_with_samples(steps) {
+            let end = self.end_of(steps, step);
+            if time < end * (1.0 - SAME) {
+                return step;
+            }
+            if time < end * (1.0 + SAME) {
+                next += 1;
+                time = self.grid.time(next);
+            }
+        }
+        steps.count
     }
 
     /// Sees what the quiet stretches went through.

@@ -122,7 +122,15 @@ impl Products {
 
     /// Adds rows.
     pub fn add(&mut self, rows: &DMatrix<f64>) {
-        self.sums += rows.tr_mul(rows);
+        // Most numbers matter to few records.
+        let is_felt = |place: &usize| rows.column(*place).iter().any(|value| *value != 0.0);
+        let felt: Vec<usize> = (0..rows.ncols()).filter(is_felt).collect();
+        for (first, one) in felt.iter().enumerate() {
+            for other in &felt[first..] {
+                let sum = self.sums[(*one, *other)] + rows.column(*one).dot(&rows.column(*other));
+                (self.sums[(*one, *other)], self.sums[(*other, *one)]) = (sum, sum);
+            }
+        }
         self.rows += rows.nrows();
     }
 
