@@ -32,6 +32,7 @@ impl<'f> Folder<'f> {
         let paths = [AUGMENTED, FITTED, RECOVERED, REPORT, PAGE, SEPARATE].map(|file| folder.join(file));
         check_not("the experiment", Path::new(&experiment.file), paths.iter())?;
         check_not("the patch", Path::new(experiment.patch.file()), paths.iter())?;
+        experiment.files.iter().try_for_each(|file| check_not("a record", file, paths.iter()))?;
         prepare(Some(folder), paths.iter())?;
         Ok(Folder { folder })
     }

@@ -13,7 +13,8 @@ pub struct Effort {
     heats: &'static [Heat],
     /// How a few of many records are made use of, if they are.
     glance: Option<Glance>,
-    /// Whether what is held back is begun from every point, and fitted to the end.
+    /// Whether it is not the first look: what is held back is begun from every point, and fitted to the end, and many records are
+    /// not begun from no strength again.
     pub(super) is_thorough: bool,
 }
 
@@ -90,15 +91,17 @@ const NEARLY_SETTLED: f64 = 3e-4;
 /// Points from which fits begin.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Starts {
-    /// From each of them,
+    /// From each of them: without any effect, in all its shapes,
     pub sure: Vec<Point>,
+    /// from where it came to before,
+    pub found: Option<Point>,
     /// and from some of these, those that are nearest to the data.
     pub others: Vec<Point>,
 }
 
 impl Effort {
     /// What is done with a few of many records, and then with all; nothing where all are fitted from the beginning.
-    pub(super) fn at_a_glance(self) -> Option<[Effort; 2]> {
+    pub(super) fn split(self) -> Option<[Effort; 2]> {
         self.glance.map(|Glance { heats, then }| {
             let few = Effort { heats: &self.heats[..heats], ..self };
             [few, Effort { heats: then, ..self }].map(|own| Effort { glance: None, ..own })
@@ -112,7 +115,7 @@ impl Effort {
 
     /// Where a task comes to from the points that are ahead after the last heat, the best first.
     pub(super) fn ahead(self, task: &Task<'_>, starts: &Starts) -> Vec<Point> {
-        let sure = starts.sure.iter().cloned();
+        let sure = starts.sure.iter().chain(&starts.found).cloned();
         let begun = |point: Point| Reached { point, chi2: f64::INFINITY, has_ended: false };
         let first = self.heats.first().and_then(|heat| Beginnings::of(task, heat.until));
         let looked_at = first.as_ref().map_or(*task, |own| own.task(task));

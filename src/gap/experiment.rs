@@ -1,7 +1,7 @@
 //! An experiment: a patch, what was measured, and what may be fitted.
 
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::document::{self, Document, Hold};
 use super::model::with_tables;
@@ -33,6 +33,8 @@ pub struct Experiment {
     pub train: Vec<Record>,
     /// What is held back.
     pub test: Vec<Record>,
+    /// The files that all of these come from.
+    pub files: Vec<PathBuf>,
     /// After so many seconds runs begin anew, where the experiment asks for that.
     pub pieces: Option<f64>,
     /// What the reader should know although the experiment can be worked with.

@@ -107,7 +107,7 @@ pub const MOST_ROUNDS: usize = 40;
 const MOST_TRIED: usize = 16;
 /// Side by side where what is sought may be far,
 pub const MANY_DAMPINGS: &[f64] = &[0.1, 1.0, 10.0, 100.0];
-/// and one after the other where the way is straight, or runs side by side take as long.
+/// and one after the other where the way is short, or runs side by side take as long.
 pub const ONE_DAMPING: &[f64] = &[0.3];
 /// So often they are worked out before a fit may be given up.
 const FIRST_ROUNDS: usize = 4;
@@ -152,9 +152,7 @@ impl Task<'_> {
     /// The initial voltages of a record, found without the others.
     fn begins(&self, from: &Point, record: usize) -> Option<Vec<f64>> {
         let (model, records) = (self.model.alone(record), &self.records[record..=record]);
-        // Of many records each is short.
-        let dampings = if self.records.len() > 1 { ONE_DAMPING } else { self.dampings };
-        let alone = Task { model: &model, records, dampings, ..*self };
+        let alone = Task { model: &model, records, ..*self };
         let from = Point { initial: vec![from.initial[record].clone()], ..from.clone() };
         alone.reached(&from)?.point.initial.pop()
     }

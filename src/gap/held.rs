@@ -71,6 +71,7 @@ impl Problem {
         let starts = Starts {
             sure: vec![at(known.to_vec())],
             others: (0..known.len()).flat_map(moved).map(at).collect(),
+            ..Starts::default()
         };
         let best = Effort::FROM_ANYWHERE.best(&task, &starts);
         Ok(best.map_or_else(|| known.to_vec(), |best| best.initial[0].clone()))

@@ -237,10 +237,14 @@ impl Around<'_> {
                 least = reached.clone();
             }
             let rises = (reached.chi2 - self.chi2).max(0.0);
-            if rises > LEAST_RISE * wanted || next >= most {
+            if rises > LEAST_RISE * wanted {
                 let share = ((wanted.sqrt() - risen.sqrt()) / (rises.sqrt() - risen.sqrt())).clamp(0.0, 1.0);
                 // The first end is where all is as it should be, or the least that is told.
-                gone = if gone == 0.0 || share.is_nan() { next } else { gone + share * (next - gone) };
+                gone = if gone == 0.0 { next } else { gone + share * (next - gone) };
+                break;
+            }
+            if next >= most {
+                gone = next;
                 break;
             }
             (from, step, gone, risen) = (self.task.shares(&reached.point), next, next, rises);

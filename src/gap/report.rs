@@ -36,12 +36,39 @@ impl Stage {
     }
 }
 
+/// What is nearer to the end of a range, by this share of it, is at it.
+const AT_END: f64 = 1e-6;
 /// What is left is as large as the noise, unless that is told too large: by so much less it is not by chance.
 const FAR_LESS: f64 = 0.5;
 
 impl Outcome {
-    /// Of which outputs the experiment tells more noise than there can be, in sentences.
+    /// What the reader should doubt, in sentences: ranges at whose end the patch stands, and more noise than there can be.
     pub fn doubts(&self, experiment: &Experiment) -> Vec<String> {
+        self.at_ends().into_iter().chain(self.noises(experiment)).collect()
+    }
+
+    /// Which parameters of the patch as it was stand at an end of their ranges, where something seems to be missing.
+    fn at_ends(&self) -> Vec<String> {
+        let version = &self.base.version;
+        let fitted = version.fit.iter().zip(&self.base.train.point.knobs);
+        let at_end = fitted.filter_map(|(name, value)| {
+            let parameter = version.patch.parameters.get(name)?;
+            let (low, high) = parameter.range?;
+            let is_at = |end: f64| (value - end).abs() <= AT_END * (high - low);
+            (is_at(low) || is_at(high)).then(|| {
+                format!(
+                    "The patch as it was is fitted best with {name} at the end of its range, {} {}: what seems to be missing may be a value beyond it.",
+                    number(*value),
+                    parameter.unit.text()
+                )
+            })
+        });
+        let is_gap = !matches!(self.verdict, Verdict::NothingMissing);
+        at_end.filter(|_| is_gap).collect()
+    }
+
+    /// Of which outputs the experiment tells more noise than there can be.
+    fn noises(&self, experiment: &Experiment) -> Vec<String> {
         let told = experiment.outputs.iter().enumerate().filter(|(_, output)| output.sigma.is_some());
         let left = told.map(|(place, output)| (&output.signal, over_sigma(&self.told().train, place)));
         let far_less = left.filter(|(_, left)| *left < FAR_LESS);

@@ -103,11 +103,11 @@ impl Trial {
         self.stage.version.fit.len()
     }
 
-    /// Whether it is no better than another that needs fewer numbers, above which it stands by so many standard errors, and leaves
-    /// structure: there more numbers follow what neither explains. To be no alias of the other it must be so much better.
-    fn is_too_rich_beside(&self, other: &Trial, above: f64) -> bool {
+    /// Whether it needs more numbers than an alias, above which it hardly stands, and leaves structure: there more numbers follow
+    /// what neither explains.
+    fn is_but(&self, other: &Trial, above: f64) -> bool {
         let is_richer = self.numbers() > other.numbers() && self.stage.leaves_structure();
-        is_richer && (above <= 0.0 || above < NO_ALIAS && self.candidate.may_be(&other.candidate))
+        is_richer && above < NO_ALIAS && self.candidate.may_be(&other.candidate)
     }
 
     /// How another stands above it, on all records. What has changed by the time of the test blurs that: where the other leaves
@@ -223,9 +223,12 @@ impl Round {
         trial.score > self.needed && trial.behind.ratio() < -APART && -trial.behind.sum > price
     }
 
-    /// Whether a trial does with fewer numbers as well as the best.
+    /// Whether a trial does with fewer numbers as well as the best, where that leaves structure.
     fn is_simpler(&self, trial: &Trial) -> bool {
-        trial.score > self.needed && self.trials[0].is_too_rich_beside(trial, trial.behind.ratio())
+        let best = &self.trials[0];
+        let has_fewer = trial.numbers() < best.numbers() && best.stage.leaves_structure();
+        let is_no_worse = trial.behind.sum <= 0.0 || best.is_but(trial, trial.behind.ratio());
+        has_fewer && trial.score > self.needed && is_no_worse
     }
 
     /// Whether all other effects leave far more than the best.
@@ -250,8 +253,7 @@ impl Round {
         };
         let is_far = leaves_far_more(|stage| &stage.train) && leaves_far_more(|stage| &stage.test);
         let is_as_good = !trial.stage.leaves_structure() || best.stage.leaves_structure() && !is_far;
-        let is_too_rich = trial.is_too_rich_beside(best, -trial.behind.ratio());
-        let is_as_good = is_as_good && !is_too_rich;
+        let is_as_good = is_as_good && !trial.is_but(best, -trial.behind.ratio());
         trial.candidate.effect != best.candidate.effect && trial.score > self.needed && is_near && is_as_good
     }
 }

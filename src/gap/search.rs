@@ -274,6 +274,7 @@ impl Problem {
         library: &Library,
     ) -> Result<Option<(Vec<Candidate>, Stage)>, ModelError> {
         let (mut kept, mut stage) = (Vec::new(), base.clone());
+        stage.version.steps = stage.version.steps.max(found.version.steps);
         for effect in effects {
             let sites = self.sites(&stage)?;
             let all = library.iter().flat_map(|own| Attached::all(own, &sites));

@@ -189,7 +189,7 @@ const LEAST_PIECE: usize = 40;
 /// Where the gap is less than so many sigmas rms, fits find their way without pieces.
 const FAR: f64 = 5.0;
 
-/// A first look at many records takes so many samples of them,
+/// Looks at many records begin with so many samples of them,
 const GLANCED_AT: usize = 4000;
 /// and finds in so many rounds how all of them begin.
 const NEARLY: usize = 4;
@@ -264,23 +264,16 @@ impl Problem {
         let model = self.model(&version, &self.train, &self.outputs)?;
         let task = Task { wanted, ..self.task(&model, &self.train, true) };
         let mut starts = from.starts;
-        starts.sure.extend(in_pieces.as_ref().map(|point| self.joined_up(point)));
-        let glance = self.glance();
-        let is_open = starts.sure.len() + starts.others.len() > 1;
-        let split = from.effort.at_a_glance().filter(|_| is_open && glance.len() < self.train.len());
-        let best = match split {
-            None => from.effort.best(&task, &starts),
-            Some([few, all]) => {
-                let glanced = self.at_a_glance(&version, &glance, &starts, few)?;
-                let nearly = Task { most_rounds: NEARLY, ..task };
-                let settled = glanced.iter().filter_map(|point| nearly.settled(point));
-                // What a few records lead astray may be found from where it came to before, and at first from none of it.
-                let none = starts.sure.first().filter(|_| !from.effort.is_thorough);
-                let known = none.into_iter().chain(starts.sure.last());
-                let sure = settled.chain(known.cloned()).collect();
-                all.best(&task, &Starts { sure, ..Starts::default() })
-            }
-        };
+        let joined = in_pieces.as_ref().map(|point| self.joined_up(point));
+        let led = self.at_a_glance(&version, &task, &starts, from.effort)?;
+        let best = led.and_then(|(all, led)| {
+            let sure = led.into_iter().chain(joined.clone()).collect();
+            all.best(&task, &Starts { sure, ..Starts::default() })
+        });
+        let best = best.or_else(|| {
+            starts.sure.extend(joined);
+            from.effort.best(&task, &starts)
+        });
         let Some(train) = best.and_then(|point| task.told(&point)) else { return Ok(None) };
         let test = self.held(&version, &train.point, from.held, from.effort)?;
         Ok(test.map(|test| Stage::new(version, train, test, in_pieces)))
@@ -305,8 +298,32 @@ impl Problem {
         (0..count).map(|place| place * records / count).collect()
     }
 
-    /// Where a patch fitted to a few of the records comes to, the best first; the others begin where they did before.
+    /// From where all of many records are gone on with, and how: from where a few of them lead, and from what these may lead
+    /// astray from. Nothing where the records are few, or there is nothing to choose between.
     fn at_a_glance(
+        &self,
+        version: &Version,
+        all: &Task<'_>,
+        starts: &Starts,
+        effort: Effort,
+    ) -> Result<Option<(Effort, Vec<Point>)>, ModelError> {
+        let places = self.glance();
+        let is_open = starts.sure.iter().chain(&starts.found).chain(&starts.others).count() > 1;
+        let split = effort.split().filter(|_| is_open && places.len() < self.train.len());
+        let Some([few, rest]) = split else { return Ok(None) };
+        let nearly = Task { most_rounds: NEARLY, dampings: ONE_DAMPING, ..*all };
+        let glanced = self.glanced(version, &places, starts, few)?;
+        let mut led: Vec<Point> = glanced.iter().filter_map(|point| nearly.settled(point)).collect();
+        match effort.is_thorough {
+            true => led.extend(all.nearest(&starts.others, 1).cloned()),
+            false => led.extend(starts.sure.first().cloned()),
+        }
+        led.extend(starts.found.clone());
+        Ok(Some((rest, led)))
+    }
+
+    /// Where a patch fitted to a few of the records comes to, the best first; the others begin where they did before.
+    fn glanced(
         &self,
         version: &Version,
         places: &[usize],
@@ -320,8 +337,13 @@ impl Problem {
             Point { initial: initial.collect(), ..point.clone() }
         };
         let all = |points: &[Point]| points.iter().map(few).collect();
-        let some = Starts { sure: all(&starts.sure), others: all(&starts.others) };
-        let Some(first) = starts.sure.iter().chain(&starts.others).next() else { return Ok(Vec::new()) };
+        let some = Starts {
+            sure: all(&starts.sure),
+            found: starts.found.as_ref().map(few),
+            others: all(&starts.others),
+        };
+        let mut points = starts.sure.iter().chain(&starts.found).chain(&starts.others);
+        let Some(first) = points.next() else { return Ok(Vec::new()) };
         let ahead = effort.ahead(&self.task(&model, &records, true), &some).into_iter();
         let whole = ahead.map(|own| {
             let mut initial = first.initial.clone();
@@ -386,7 +408,7 @@ impl Problem {
             ..From::points(vec![stage.train.point.clone()])
         };
         let again = self.stage(stage.version.clone(), from, f64::INFINITY)?;
-        Ok(again.unwrap_or(stage))
+        Ok(again.filter(|again| again.train.chi2 < stage.train.chi2).unwrap_or(stage))
     }
 
     /// The same patch fitted from where a trial with one more effect came to, if that is better.
@@ -498,9 +520,11 @@ impl Problem {
                 moved.map(move |own| Point { knobs: [others, &own].concat(), ..before.clone() })
             });
             let known = asked.known.map(|known| with(&candidate.within(known)));
-            let sure = candidate.without.iter().map(with).chain(known).chain(before.cloned());
-            let others = candidate.starts.iter().map(with).chain(beside);
-            Starts { sure: sure.collect(), others: others.collect() }
+            Starts {
+                sure: candidate.without.iter().map(with).collect(),
+                found: before.cloned().or(known),
+                others: candidate.starts.iter().map(with).chain(beside).collect(),
+            }
         };
         let from = From {
             starts: begun(&stage.train.point, asked.before.map(|before| &before.train.point)),

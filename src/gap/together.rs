@@ -93,6 +93,7 @@ impl<'a> Bringing<'a> {
             fit,
             train,
             test,
+            files: self.paths(),
             pieces,
             warnings: Report::new("", "", Vec::new()),
         };
@@ -172,6 +173,16 @@ impl<'a> Bringing<'a> {
         let sigma = output.sigma.map(|sigma| unit.out_of_si(told_in.to_si(sigma)));
         let column = output.wire.column.value.clone();
         Some(Output { signal: name, column, sigma, offset: output.offset, unit, per_volt })
+    }
+
+    /// The files of all records.
+    fn paths(&self) -> Vec<PathBuf> {
+        let tested = match &self.document.test {
+            Held::Records(sources) => sources.as_slice(),
+            _ => &[],
+        };
+        let sources = self.document.data.iter().chain(tested);
+        sources.map(|source| self.folder.join(&source.file.value)).collect()
     }
 
     /// Reads the files of records.

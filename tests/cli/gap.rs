@@ -184,6 +184,20 @@ fn nothing_of_the_experiment_is_written_over() {
         assert!(code(&told) == 2 && errors(&told).contains(what), "{}", errors(&told));
     }
     assert_eq!(std::fs::read_to_string(at("report.json")).unwrap(), experiment);
+    // What an earlier search left to be measured may have been.
+    let measured = std::fs::read(at("slide.csv")).unwrap();
+    std::fs::write(at("separate.csv"), &measured).unwrap();
+    std::fs::copy("tests/gap/base.json", at("base.json")).unwrap();
+    let again = experiment.replace("augmented.json", "base.json").replace("slide.csv", "separate.csv");
+    std::fs::write(at("again.json"), again).unwrap();
+    let told =
+        patchcord(&["gap", at("again.json").to_str().unwrap(), "--out", folder.path().to_str().unwrap()]);
+    assert!(
+        code(&told) == 2 && errors(&told).contains("separate.csv is a record itself"),
+        "{}",
+        errors(&told)
+    );
+    assert_eq!(std::fs::read(at("separate.csv")).unwrap(), measured);
 }
 
 #[test]

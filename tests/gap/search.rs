@@ -9,15 +9,22 @@ use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::stage::Problem;
 use serde_json::Value;
 
+fn read(path: &Path) -> Experiment {
+    Experiment::read(path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn outcome(experiment: &Experiment, problem: &Problem, threads: usize) -> Outcome {
+    let library = Library::shipped();
+    let with = Means { library: &library, threads, seed: 1 };
+    problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap()
+}
+
 /// The search of a case of tests/gap/hidden, on so many threads, and its truth.
 pub fn searched(case: &str, threads: usize) -> (Experiment, Problem, Outcome, Value) {
     let folder = Path::new("tests/gap/hidden").join(case);
-    let experiment =
-        Experiment::read(&folder.join("experiment.json")).unwrap_or_else(|error| panic!("{error}"));
+    let experiment = read(&folder.join("experiment.json"));
     let problem = Problem::of(&experiment).unwrap();
-    let library = Library::shipped();
-    let with = Means { library: &library, threads, seed: 1 };
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    let found = outcome(&experiment, &problem, threads);
     let truth = std::fs::read_to_string(folder.join("truth.json")).unwrap();
     (experiment, problem, found, serde_json::from_str(&truth).unwrap())
 }
@@ -50,6 +57,25 @@ fn named(case: &str, parameter: &str, true_one: &str) {
 #[test]
 fn a_pump_at_its_limit_is_named() {
     named("saturation", "L", "L");
+}
+
+/// So many samples that looks begin with one of the records.
+#[test]
+fn a_pump_at_its_limit_is_named_from_two_records() {
+    let experiment = read(Path::new("tests/gap/hidden/saturation/experiment.json"));
+    let mut problem = Problem::of(&experiment).unwrap();
+    problem.train.push(problem.train[0].clone());
+    let found = outcome(&experiment, &problem, 2);
+    assert_eq!(found.sentence(), "saturation at u is missing");
+    assert!(!found.last.leaves_structure());
+}
+
+#[test]
+fn what_may_be_a_value_beyond_a_range_is_doubted() {
+    let experiment = read(Path::new("tests/gap/slide.json"));
+    let problem = Problem::of(&experiment).unwrap();
+    let doubts = outcome(&experiment, &problem, 2).doubts(&experiment);
+    assert!(doubts[0].contains("with M at the end of its range, 8 kg"), "{doubts:?}");
 }
 
 /// Laws with kinks: how steps of the solver fall on these is no part of how far a value may be off.
