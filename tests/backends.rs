@@ -11,6 +11,7 @@ mod dice;
 use common::traces::{bits, parts};
 use common::{built, circuit, element, program, ran, source, volts};
 use dice::Dice;
+use patchcord::patch::Phase;
 use patchcord::program::Program;
 use patchcord::solve::{self, Backend, Machine, RunSettings};
 use patchcord::trace::Trace;
@@ -255,6 +256,34 @@ fn states_are_recorded_alike_however_often() {
         assert!(folded.tracks[3].courses[0].most.volts > 1.0, "it never slipped");
         let found = difference(&folded, &reference);
         assert!(found <= 1e-9, "every {steps} steps: {found:e} V");
+    }
+}
+
+/// The same of a state with a constant beside it, before the machine was held and after that.
+#[test]
+fn states_are_recorded_alike_after_a_hold() {
+    let patch = volts("an oscillator, seen from beside")
+        .element("P1", element("pot").cord("in", "A2").set("setting", 0.9))
+        .element("A1", element("integrator").cords("x10", ["P1"]).set("initial", 20))
+        .element("A2", element("integrator").cords("x10", ["D"]))
+        .element("D", element("summer").cords("x1", ["A1"]))
+        .element("PB", element("pot").cord("in", "+100").set("setting", 0.3))
+        .element("S", element("summer").cords("x1", ["A1", "PB"]))
+        .build()
+        .unwrap();
+    let circuit = circuit(&patch, &[]);
+    let program = Program::new(&circuit).unwrap();
+    let own = RunSettings::of(&circuit).unwrap();
+    let operate = |time: f64| Phase::Operate { time, until: None };
+    let phases = vec![Phase::InitialCondition, operate(0.3), Phase::Hold { time: 0.11 }, operate(0.3)];
+    let record = ["A1", "S"].map(str::to_owned).to_vec();
+    for every in [4e-4, 1e-3, 2e-3, 2.5e-3] {
+        let settings =
+            RunSettings { step: 1e-3, every, phases: phases.clone(), record: record.clone(), ..own.clone() };
+        let (folded, reference) = both(&program, &settings);
+        assert!(difference(&folded, &reference) <= 1e-10, "every {every}");
+        let beside = folded.tracks[0].volts.iter().zip(&folded.tracks[1].volts);
+        beside.for_each(|(state, seen)| assert!((state + seen + 30.0).abs() < 1e-12));
     }
 }
 

@@ -199,14 +199,15 @@ impl Frame<f64> {
 
     /// A voltage that is recorded, at the end of one of the steps that are remembered: what its kernel works out there, where that
     /// [`Folded::remembers`](super::Folded::remembers).
-    pub fn seen_after(&self, kernel: &Kernel, step: u64, index: usize) -> Option<f64> {
-        let (at, line) = kernel.seen[index].follows?;
+    pub fn seen_after(&self, kernel: &Kernel, step: u64, index: usize) -> f64 {
+        let (at, line) = kernel.seen[index].follows.expect("what is remembered follows states");
         let volts = self.trail.volts[step as usize * kernel.followed.len() + at];
-        Some(line.map_or(volts, |[constant, factor]| {
-            let product = |addend: f64| self.slots[factor as usize].mul_add(volts, addend);
+        line.map_or(volts, |[constant, factor]| {
             // A kernel adds no constant where there is none: a product of zero keeps its sign.
-            product(if kernel.is_zero(constant) { -0.0 } else { self.slots[constant as usize] })
-        }))
+            let is_none = kernel.number(constant) == Some(0.0);
+            let addend = if is_none { -0.0 } else { self.slots[constant as usize] };
+            self.slots[factor as usize].mul_add(volts, addend)
+        })
     }
 
     /// The least and the largest of a recorded voltage with their instants, in the order in which they were met; none of

@@ -175,7 +175,7 @@ impl Kernel {
         Kernel::can_be_of(program).then(|| layout::laid_out(fold::folded(program, modes, seen), program))
     }
 
-    /// Whether all that is recorded follows states: what it is at the end of a step is known of these.
+    /// Whether all that is recorded follows states, which do not jump where a step ends.
     fn records_states(&self) -> bool {
         let states = self.layout.states..self.layout.time;
         let is_state =
@@ -194,13 +194,7 @@ impl Kernel {
         stepped(&self.quick) + stepped(&self.thorough) + moving + all(&self.thorough)
     }
 
-    /// Whether 0 stands in a slot whatever the parameters are.
-    fn is_zero(&self, slot: Slot) -> bool {
-        matches!(self.factors.get(slot as usize), Some(Factor::Number(value)) if *value == 0.0)
-    }
-
     /// What stands in a slot whatever the parameters are.
-    #[cfg(feature = "native")]
     fn number(&self, slot: Slot) -> Option<f64> {
         match self.factors.get(slot as usize) {
             Some(Factor::Number(value)) => Some(*value),

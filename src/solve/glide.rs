@@ -131,7 +131,7 @@ impl Flight {
     /// The recorded voltages at the end of one of the steps gone last, which are remembered.
     pub fn seen_after(&self, step: u64) -> impl Iterator<Item = f64> + '_ {
         let kernel = &self.folded.kernel;
-        (0..kernel.seen.len()).filter_map(move |index| self.frame.seen_after(kernel, step, index))
+        (0..kernel.seen.len()).map(move |index| self.frame.seen_after(kernel, step, index))
     }
 
     /// The recorded voltages as they were worked out last.
