@@ -52,6 +52,14 @@ pub fn check_writable(path: &Path) -> Result<()> {
     }
 }
 
+/// Looks whether files could be written into a folder, by making one there that goes again.
+///
+/// # Errors
+/// When the system refuses.
+pub fn check_folder_takes_files(folder: &Path) -> Result<()> {
+    open_beside(folder).map(drop).map_err(|error| Error::from(error.kind()))
+}
+
 /// What the system says of an error, without its number.
 pub fn refusal(error: &Error) -> String {
     let text = error.to_string();

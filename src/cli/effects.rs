@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::failure::Failure;
 use super::table::Table;
-use super::{say, say_json};
+use super::{say, say_json, tell};
 use patchcord::gap::effect::{Effect, EffectError, Library, Page};
 use patchcord::patch::suggestion;
 
@@ -50,10 +50,17 @@ pub(super) fn known(folder: Option<&Path>) -> Result<Library, Failure> {
     let library = Library::shipped();
     match folder {
         None => Ok(library),
-        Some(folder) => library.and_folder(folder).map_err(|error| match error {
+        Some(folder) => library.and_folder(folder).inspect(tell_replacing).map_err(|error| match error {
             EffectError::Text(report) => Failure::from(report),
             error => Failure::data(error.to_string()),
         }),
+    }
+}
+
+/// Says on standard error which effects of the program are not used.
+fn tell_replacing(library: &Library) {
+    for file in library.replacing() {
+        tell(&format!("note: {file} takes the place of the effect of that name that comes with the program"));
     }
 }
 

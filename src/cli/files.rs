@@ -11,7 +11,7 @@ use serde_json::Value;
 use super::failure::Failure;
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{self, parameter_line};
-use patchcord::output::{check_writable, destination, refusal, write_whole};
+use patchcord::output::{check_folder_takes_files, check_writable, destination, refusal, write_whole};
 use patchcord::plot::{self, Format, Picture, Size};
 use patchcord::trace::Trace;
 
@@ -146,6 +146,9 @@ pub(super) fn prepare<'a>(
 ) -> Result<(), Failure> {
     if let Some(folder) = folder {
         make_folder(folder)?;
+        check_folder_takes_files(folder).map_err(|error| {
+            Failure::data(format!("cannot write into the folder {}: {}", folder.display(), refusal(&error)))
+        })?;
     }
     for path in paths {
         check_writable(path).map_err(|error| unwritable(path, &error))?;

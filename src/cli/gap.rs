@@ -15,6 +15,7 @@ use patchcord::gap::progress::{Part, Progress};
 use patchcord::gap::report::asked;
 use patchcord::gap::search::{Means, Outcome};
 use patchcord::gap::stage::Problem;
+use serde_json::Value;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -59,6 +60,10 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
     let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, &experiment)).transpose()?;
     let (problem, outcome) = searched(arguments, &experiment, &library)?;
     let mut document = outcome.document(&problem);
+    document["doubts"] = outcome.doubts(&experiment).into();
+    for written in ["patch", "fitted", "recovered"] {
+        document[written] = Value::Null;
+    }
     document["experiment"] = asked(&experiment, &problem, arguments.seed);
     let told = Told { experiment: &experiment, problem: &problem, outcome: &outcome, library: &library };
     let done = folder.map(|folder| folder.write(&told, &mut document)).transpose()?.unwrap_or_default();

@@ -4,49 +4,13 @@ use serde_json::{Value, json};
 
 use super::failure::plural;
 use super::table::Table;
-use patchcord::gap::{Examined, Experiment, Noise, NoiseKind, Record, SHARES, examine};
+use patchcord::gap::{Column, Experiment, Noise, NoiseKind, Record, SHARES, columns};
 use patchcord::instruments::Display;
 
 /// What a record is for, and the record.
 fn records(experiment: &Experiment) -> impl Iterator<Item = (&'static str, &Record)> {
     let trained = experiment.train.iter().map(|record| ("train", record));
     trained.chain(experiment.test.iter().map(|record| ("test", record)))
-}
-
-/// A column of a record, and what it is like.
-struct Column<'e> {
-    /// What the patch has there: a drive or a signal.
-    noun: &'static str,
-    name: &'e str,
-    column: &'e str,
-    unit: &'e str,
-    /// The noise that the experiment tells.
-    sigma: Option<f64>,
-    interval: f64,
-    is: Examined,
-}
-
-fn columns<'e>(experiment: &'e Experiment, record: &Record) -> Vec<Column<'e>> {
-    let interval = record.interval;
-    let drives = experiment.drives.iter().zip(&record.drives).map(|(feed, samples)| Column {
-        noun: "drive",
-        name: &feed.drive,
-        column: &feed.column,
-        unit: feed.unit.text(),
-        sigma: None,
-        interval,
-        is: examine(samples, interval),
-    });
-    let outputs = experiment.outputs.iter().zip(&record.outputs).map(|(output, samples)| Column {
-        noun: "signal",
-        name: &output.signal,
-        column: &output.column,
-        unit: output.unit.text(),
-        sigma: output.sigma,
-        interval,
-        is: examine(samples, interval),
-    });
-    drives.chain(outputs).collect()
 }
 
 pub(super) fn told(experiment: &Experiment) -> String {

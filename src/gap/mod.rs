@@ -7,6 +7,7 @@
 //! effect and judges what came of it.
 
 pub mod candidate;
+pub mod correlation;
 mod directions;
 mod document;
 pub mod effect;
@@ -25,6 +26,7 @@ mod motion;
 mod normal;
 pub mod page;
 mod parts;
+mod probe;
 pub mod progress;
 mod provenance;
 pub mod reach;
@@ -44,6 +46,6 @@ pub mod turned;
 pub mod whereabouts;
 
 pub use document::Hold;
-pub use examine::{Examined, Noise, NoiseKind, SHARES, examine};
+pub use examine::{Column, Examined, Noise, NoiseKind, SHARES, columns, examine};
 pub use experiment::{Experiment, ExperimentError, Feed, LEAST_SAMPLES, Output};
 pub use record::Record;

@@ -31,6 +31,24 @@ pub fn reach(formula: &Formula, largest: &[Largest]) -> Option<(f64, Unit)> {
     Some((value, Unit::of_product(parts)))
 }
 
+/// Whether a formula is a product of powers, whatever it names.
+pub fn is_product(formula: &Formula) -> bool {
+    is_product_of_powers(formula.root())
+}
+
+fn is_product_of_powers(node: &Node) -> bool {
+    match &node.expression {
+        Expression::Number(_) | Expression::Name(_) => true,
+        Expression::Binary(Operator::Multiply | Operator::Divide, left, right) => {
+            is_product_of_powers(left) && is_product_of_powers(right)
+        }
+        Expression::Binary(Operator::Power, base, exponent) => {
+            is_product_of_powers(base) && matches!(exponent.expression, Expression::Number(_))
+        }
+        _ => false,
+    }
+}
+
 /// The value of a part raised to a power; what it names is noted with the powers.
 fn product(node: &Node, power: f64, largest: &[Largest], powers: &mut Vec<(usize, f64)>) -> Option<f64> {
     match &node.expression {

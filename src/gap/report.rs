@@ -3,12 +3,14 @@
 use serde_json::{Map, Value, json};
 
 use super::candidate::Candidate;
+use super::correlation::Correlation;
 use super::experiment::Experiment;
 use super::fit::Fitted;
 use super::intervals::Known;
 use super::limits::{Blind, Limit, best_places};
 use super::record::Record;
 use super::round::{LeftOut, Round, Trial};
+use super::score::Advantage;
 use super::search::{Outcome, Verdict};
 use super::separate::Separating;
 use super::stage::{Problem, Stage};
@@ -36,8 +38,6 @@ impl Stage {
     }
 }
 
-/// What is nearer to the end of a range, by this share of it, is at it.
-const AT_END: f64 = 1e-6;
 /// What is left is as large as the noise, unless that is told too large: by so much less it is not by chance.
 const FAR_LESS: f64 = 0.5;
 
@@ -47,24 +47,26 @@ impl Outcome {
         self.at_ends().into_iter().chain(self.noises(experiment)).collect()
     }
 
-    /// Which parameters of the patch as it was stand at an end of their ranges, where something seems to be missing.
+    /// Which parameters of the patch stand at an end of their ranges, where something seems to be missing: as it was, or beside
+    /// what is named.
     fn at_ends(&self) -> Vec<String> {
-        let version = &self.base.version;
-        let fitted = version.fit.iter().zip(&self.base.train.point.knobs);
-        let at_end = fitted.filter_map(|(name, value)| {
-            let parameter = version.patch.parameters.get(name)?;
-            let (low, high) = parameter.range?;
-            let is_at = |end: f64| (value - end).abs() <= AT_END * (high - low);
-            (is_at(low) || is_at(high)).then(|| {
-                format!(
-                    "The patch as it was is fitted best with {name} at the end of its range, {} {}: what seems to be missing may be a value beyond it.",
-                    number(*value),
-                    parameter.unit.text()
-                )
-            })
+        if self.verdict == Verdict::NothingMissing {
+            return Vec::new();
+        }
+        let told = |stage: &Stage, place: usize| {
+            let name = &stage.version.fit[place];
+            let unit = stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
+            format!("{name} at the end of its range, {} {unit}", number(stage.train.point.knobs[place]))
+        };
+        let before = self.base.at_end().map(|place| {
+            let at = told(&self.base, place);
+            format!("The patch as it was is fitted best with {at}: what seems to be missing may be a value beyond it.")
         });
-        let is_gap = !matches!(self.verdict, Verdict::NothingMissing);
-        at_end.filter(|_| is_gap).collect()
+        let beside = self.last.newly_at_end(&self.base).filter(|_| self.verdict.has_names()).map(|place| {
+            let at = told(&self.last, place);
+            format!("Beside what is named the patch is fitted best with {at}: nature's law may be another.")
+        });
+        before.chain(beside).collect()
     }
 
     /// Of which outputs the experiment tells more noise than there can be.
@@ -91,16 +93,25 @@ impl Outcome {
         let taken = self.rounds.iter().filter(|round| round.taken);
         let told = |round: &Round| {
             let both = round.trials.iter().take(1).chain(round.rival());
-            both.map(Trial::named).collect::<Vec<_>>().join(" or ")
+            let both = both.map(Trial::named).collect::<Vec<_>>().join(" or ");
+            match round.tied {
+                0..=2 => both,
+                3 => format!("{both} (or one more, see below)"),
+                tied => format!("{both} (or one of {} more, see below)", tied - 2),
+            }
         };
         let effects: Vec<String> = taken.map(told).collect();
         let are = if effects.len() > 1 { "are" } else { "is" };
         let effects = effects.join(", and ");
         match self.verdict {
-            Verdict::Named => format!("{effects} {are} missing"),
+            Verdict::Named => format!("{effects} {are} missing{}", self.left_over()),
             Verdict::Ambiguous => {
                 let would = self.separating.as_ref().map(|own| format!("; {}", own.sentence()));
-                format!("{effects} {are} missing: these data cannot tell{}", would.unwrap_or_default())
+                format!(
+                    "{effects} {are} missing: these data cannot tell{}{}",
+                    would.unwrap_or_default(),
+                    self.left_over()
+                )
             }
             Verdict::NothingMissing => {
                 let least = best_places(&self.limits).into_iter().find_map(Limit::sentence);
@@ -121,6 +132,15 @@ impl Outcome {
                 let why = self.blind.as_ref().map_or_else(String::new, |why| format!(": {}", why.sentence()));
                 format!("these data cannot judge{why}")
             }
+        }
+    }
+
+    /// What is left besides what is named, where that is more than a law of another shape leaves mostly, in words.
+    fn left_over(&self) -> String {
+        let share = number(100.0 * self.left);
+        match self.leaves_much() {
+            true => format!("; or something like it: {share} % of the gap is left, which is no noise"),
+            false => String::new(),
         }
     }
 
@@ -152,7 +172,10 @@ impl Outcome {
             "gap": {
                 "before": gaps(problem, &self.base),
                 "after": gaps(problem, self.told()),
+                "left": self.left,
             },
+            "correlations": self.correlations.iter().map(Correlation::document).collect::<Vec<_>>(),
+            "rounds": self.rounds.iter().enumerate().map(|(place, round)| round_document(place + 1, round)).collect::<Vec<_>>(),
             "why": self.blind.as_ref().map(Blind::sentence),
             "other_starts": self.agreement.document(),
             "parameters": parameters(self.told()),
@@ -273,6 +296,22 @@ fn parameters(stage: &Stage) -> Value {
     fit.collect::<Map<_, _>>().into()
 }
 
+/// What came of a round.
+fn round_document(number: usize, round: &Round) -> Value {
+    let Advantage { sum, error } = round.confirmed;
+    json!({
+        "step": number,
+        "tried": round.trials.len(),
+        "best": round.trials.first().map(|best| &best.candidate.effect),
+        "needed": round.needed,
+        "taken": round.taken,
+        "tied": round.tied,
+        "closes": round.closed(),
+        "confirmed": {"by": sum, "error": error},
+        "from_white": round.trials.first().map(|best| best.stage.colour),
+    })
+}
+
 fn rival(number: usize, round: &Round, trial: &Trial) -> Value {
     json!({
         "step": number,
@@ -308,5 +347,5 @@ fn gaps(problem: &Problem, stage: &Stage) -> Value {
             });
         Value::Object(outputs.collect::<Map<_, _>>())
     };
-    json!({"train": told(&stage.train), "test": told(&stage.test)})
+    json!({"train": told(&stage.train), "test": told(&stage.test), "from_white": stage.colour})
 }

@@ -32,12 +32,18 @@ fn autocorrelations(track: &[f64], most: usize) -> impl Iterator<Item = f64> + '
     })
 }
 
-/// How far the residuals are from white noise, in standard deviations of what chance would bring: Ljung and Box over lags
-/// up to a hundredth of the record, 20 at least, and half of it at most.
+/// Up to how many samples apart residuals of a record of so many are looked at: a hundredth of it, 20 at least, and half of it at
+/// most.
+pub(super) fn lags(samples: usize) -> usize {
+    (samples / 100).max(20).min(samples / 2)
+}
+
+/// How far the residuals are from white noise, in standard deviations of what chance would bring: Ljung and Box over
+/// [`lags`].
 pub fn colour(fitted: &Fitted) -> f64 {
     let all = series(fitted).map(|track| {
         let count = track.len() as f64;
-        let lags = (track.len() / 100).max(20).min(track.len() / 2);
+        let lags = lags(track.len());
         let sum: f64 = autocorrelations(&track, lags + 1)
             .enumerate()
             .map(|(place, own)| own * own / (count - place as f64 - 1.0))

@@ -4,6 +4,7 @@
 use std::cmp::Reverse;
 
 use super::candidate::Candidate;
+use super::correlation::Correlation;
 use super::effect::Library;
 use super::effort::Effort;
 use super::graft::Attached;
@@ -70,6 +71,8 @@ pub struct Outcome {
     pub last: Stage,
     /// The share of the gap that is left, in rms.
     pub left: f64,
+    /// What the residuals of the patch as it was go with.
+    pub correlations: Vec<Correlation>,
     /// Where and when something is missing in the patch as it was; of no junction where nothing is.
     pub whereabouts: Vec<Whereabouts>,
     /// The smallest effects that the first round would have found.
@@ -78,6 +81,13 @@ pub struct Outcome {
     pub blind: Option<Blind>,
     /// The experiment that would tell two effects apart, where the data cannot.
     pub separating: Option<Separating>,
+}
+
+impl Outcome {
+    /// Whether more is left than a law of another shape mostly leaves, and that is no noise.
+    pub fn leaves_much(&self) -> bool {
+        leaves_much(&self.last, self.left)
+    }
 }
 
 /// What a search is made with.
@@ -103,8 +113,8 @@ const TRIED_FULLY: usize = 12;
 const NEAR: f64 = 1.5;
 /// How many effects are looked for at most.
 const MOST_EFFECTS: usize = 3;
-/// What leaves structure, more than this share of the gap, and does not stand out explains in part what may be no effect of the
-/// library:
+/// What leaves structure, more than this share of the gap, explains in part what may be no effect of the library, unless it is one
+/// alone that stands out:
 const CLEAR: f64 = 0.1;
 /// it is none, if a force over what the patch does leaves less than this share of what it leaves, in squares.
 const CURVE: f64 = 0.5;
@@ -171,8 +181,8 @@ impl Problem {
                 self.whereabouts(&base, with.threads)?
             }
         };
-        let is_doubtful = verdict.has_names() && stage.leaves_structure() && left > CLEAR;
-        if is_doubtful && !rounds[0].stands_out() && is_a_curve(&whereabouts, left) {
+        let is_doubtful = verdict.has_names() && leaves_much(&stage, left);
+        if is_doubtful && !is_sure(&base, &stage, &rounds) && is_a_curve(&whereabouts, left) {
             verdict = Verdict::UnknownEffect;
         }
         let blind = blind.filter(|_| verdict == Verdict::CannotJudge);
@@ -188,6 +198,7 @@ impl Problem {
         Ok(Some(Outcome {
             verdict,
             agreement: self.agreement(&base, with.seed)?,
+            correlations: self.correlations(&base)?,
             base: self.with_errors(base)?,
             rounds,
             effects,
@@ -205,6 +216,7 @@ impl Problem {
         Ok(Outcome {
             verdict: Verdict::CannotJudge,
             agreement: self.agreement(&base, seed)?,
+            correlations: self.correlations(&base)?,
             last: self.with_errors(base.clone())?,
             base: self.with_errors(base)?,
             rounds: Vec::new(),
@@ -398,6 +410,18 @@ impl Problem {
         round.left_out = left_out;
         Ok(round)
     }
+}
+
+/// Whether a stage leaves structure, and such a share of the gap that this is no small matter.
+fn leaves_much(stage: &Stage, left: f64) -> bool {
+    stage.leaves_structure() && left > CLEAR
+}
+
+/// Whether what leaves structure is to be believed all the same: one effect alone, that stands out, and beside which the patch
+/// does not ask for values beyond their ranges.
+fn is_sure(base: &Stage, last: &Stage, rounds: &[Round]) -> bool {
+    let is_alone = rounds.iter().filter(|round| round.taken).count() == 1;
+    is_alone && rounds[0].stands_out() && last.newly_at_end(base).next().is_none()
 }
 
 /// Whether a force over what the patch does explains far more than effects that leave such a share of the gap.

@@ -9,7 +9,7 @@ use super::experiment::{Experiment, Feed};
 use super::fit::{Fitted, MANY_DAMPINGS, MOST_ROUNDS, ONE_DAMPING, Point, SETTLED_SHARE, Task};
 use super::graft::{Attached, Brought, Place, Role};
 use super::intervals::Known;
-use super::model::{Choice, Model, ModelError};
+use super::model::{Choice, Course, Model, ModelError};
 use super::reach::Largest;
 use super::record::Record;
 use super::score::{colour, memory};
@@ -112,6 +112,22 @@ impl Stage {
         1.0 - self.train.unexplained() / without.train.unexplained()
     }
 
+    /// The places of what is fitted best at an end of its range.
+    pub(super) fn at_end(&self) -> impl Iterator<Item = usize> + '_ {
+        let fitted = self.version.fit.iter().zip(&self.train.point.knobs).enumerate();
+        fitted.filter_map(|(place, (name, value))| {
+            let (low, high) = self.version.patch.parameters.get(name)?.range?;
+            let is_at = |end: f64| (value - end).abs() <= AT_END * (high - low);
+            (is_at(low) || is_at(high)).then_some(place)
+        })
+    }
+
+    /// The same of what was fitted before and was not there then.
+    pub(super) fn newly_at_end<'s>(&'s self, before: &'s Stage) -> impl Iterator<Item = usize> + 's {
+        let own = self.at_end().filter(|place| *place < before.version.fit.len());
+        own.filter(|place| before.at_end().all(|other| other != *place))
+    }
+
     /// Whether the gap is so large that fits may have lost their way.
     pub fn is_far(&self) -> bool {
         self.train.over_noise() >= FAR
@@ -180,6 +196,8 @@ impl From<'_> {
     }
 }
 
+/// What is nearer to the end of a range, by this share of it, is at it.
+const AT_END: f64 = 1e-6;
 /// Residuals further than this from white noise are not noise.
 const COLOURED: f64 = 4.0;
 /// Into so many pieces a record is cut,
@@ -446,20 +464,30 @@ impl Problem {
         Ok(again.map(|again| Stage { in_pieces: stage.in_pieces.clone(), ..again }))
     }
 
+    /// The names of all signals and drives of a stage, and of every training record what they do, as it is fitted.
+    pub(super) fn courses(&self, stage: &Stage) -> Result<(Vec<String>, Vec<Course>), ModelError> {
+        let circuit = Circuit::new(&stage.version.patch, &[])?;
+        let patch = circuit.patch();
+        let names = patch.signals.keys().chain(patch.drives.keys()).cloned().collect::<Vec<_>>();
+        let model = self.model(&stage.version, &self.train, &names)?;
+        let initial = stage.train.point.initial.iter().enumerate();
+        let courses = initial.map(|(record, initial)| {
+            let choice = Choice { knobs: stage.train.point.knobs.clone(), initial: initial.clone() };
+            model.run(record, &[choice]).pop().flatten().unwrap_or_default()
+        });
+        let courses = courses.collect();
+        Ok((names, courses))
+    }
+
     /// The largest values of what the signals and drives of a stage come to in training.
     ///
     /// # Errors
     /// When the patch cannot be run beside the records.
     pub fn peaks(&self, stage: &Stage) -> Result<Peaks, ModelError> {
-        let circuit = Circuit::new(&stage.version.patch, &[])?;
-        let patch = circuit.patch();
-        let names = patch.signals.keys().chain(patch.drives.keys()).cloned().collect::<Vec<_>>();
-        let model = self.model(&stage.version, &self.train, &names)?;
+        let (names, courses) = self.courses(stage)?;
         let mut ends = vec![[f64::INFINITY, f64::NEG_INFINITY]; names.len()];
-        for (record, initial) in stage.train.point.initial.iter().enumerate() {
-            let choice = Choice { knobs: stage.train.point.knobs.clone(), initial: initial.clone() };
-            let course = model.run(record, &[choice]).pop().flatten().unwrap_or_default();
-            for (ends, track) in ends.iter_mut().zip(&course) {
+        for course in &courses {
+            for (ends, track) in ends.iter_mut().zip(course) {
                 *ends = widened(*ends, track);
             }
         }

@@ -29,3 +29,43 @@ fn effects_of_a_folder_join_and_wrong_ones_are_told() {
     assert_eq!(code(&told), 1);
     assert!(errors(&told).contains("an effect needs \"title\""), "{}", errors(&told));
 }
+
+#[test]
+fn what_is_wrong_with_an_effect_is_told_of_its_own_file() {
+    let own = std::fs::read_to_string("patches/effects/cubic-stiffness.json").unwrap();
+    let told = |from: &str, to: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(own.contains(from), "{from}");
+        std::fs::write(folder.path().join("own.json"), own.replacen(from, to, 1)).unwrap();
+        let told = patchcord(&["effects", "own", "--effects", folder.path().to_str().unwrap()]);
+        assert_eq!(code(&told), 1);
+        errors(&told)
+    };
+    for (from, to, wanted) in [
+        (
+            "\"kind\": \"inverter\"",
+            "\"kind\": \"inverted\"",
+            "this form cannot be wired: there is no kind \"inverted\"",
+        ),
+        ("sum / position^3", "sum / positio^3", "measured in positio, which a form at \"motion\""),
+        ("sum / position^3", "sum + position", "no product of powers"),
+        ("[-1, -0.05, 0.3]", "[-1, 30]", "a fit begins at 30, outside the range -10 ... 10"),
+        ("[-1, -0.05, 0.3]", "[]", "\"start\" lists no value"),
+    ] {
+        let told = told(from, to);
+        assert!(told.contains(wanted) && told.contains("own.json:"), "{told}");
+    }
+}
+
+#[test]
+fn an_effect_that_takes_the_place_of_another_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy("patches/effects/drift.json", folder.path().join("leak.json")).unwrap();
+    let told = patchcord(&["effects", "--effects", folder.path().to_str().unwrap()]);
+    assert!(
+        errors(&told).contains("leak.json takes the place of the effect of that name"),
+        "{}",
+        errors(&told)
+    );
+    assert_eq!(code(&told), 0);
+}

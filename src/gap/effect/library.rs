@@ -5,6 +5,7 @@ use std::path::Path;
 use indexmap::IndexMap;
 
 use super::Effect;
+use crate::gap::probe;
 use crate::output::refusal;
 use crate::patch::Report;
 
@@ -15,6 +16,8 @@ static SHIPPED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/effects.rs
 #[derive(Debug, Clone, Default)]
 pub struct Library {
     effects: IndexMap<String, Effect>,
+    /// The files of a folder that took the place of effects of the program.
+    replacing: Vec<String>,
 }
 
 /// Why effects could not be read.
@@ -38,8 +41,11 @@ impl Library {
     pub fn shipped() -> Library {
         let mut library = Library::default();
         for (file, text) in SHIPPED {
-            let added = library.add(&format!("patches/effects/{file}"), text);
-            added.unwrap_or_else(|report| unreachable!("what is part of the program is tested: {report}"));
+            let effect = Effect::parse(&format!("patches/effects/{file}"), text);
+            library
+                .add(effect.unwrap_or_else(|report| {
+                    unreachable!("what is part of the program is tested: {report}")
+                }));
         }
         library
     }
@@ -58,15 +64,24 @@ impl Library {
         files.sort();
         for file in files {
             let text = std::fs::read_to_string(&file).map_err(|source| refused(&file, source))?;
-            self.add(&file.display().to_string(), &text)?;
+            let name = file.display().to_string();
+            let effect = Effect::parse(&name, &text)?;
+            probe::check(&name, &text, &effect)?;
+            if self.add(effect).is_some() {
+                self.replacing.push(name);
+            }
         }
         Ok(self)
     }
 
-    fn add(&mut self, file: &str, text: &str) -> Result<(), Box<Report>> {
-        let effect = Effect::parse(file, text)?;
-        self.effects.insert(effect.name.clone(), effect);
-        Ok(())
+    /// Adds an effect; gives back the one whose place it takes.
+    fn add(&mut self, effect: Effect) -> Option<Effect> {
+        self.effects.insert(effect.name.clone(), effect)
+    }
+
+    /// The files that took the place of effects of the program.
+    pub fn replacing(&self) -> &[String] {
+        &self.replacing
     }
 
     /// Every effect, in the order of their names.

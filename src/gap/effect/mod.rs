@@ -50,6 +50,28 @@ pub struct EffectParameter {
     pub description: String,
 }
 
+impl Form {
+    /// The names of what is largest where it attaches, in which its parameters may be measured.
+    pub fn measures(&self) -> Vec<&'static str> {
+        let is_cord = matches!(self.at, Attachment::Drive | Attachment::Level);
+        let has = |reads| self.reads.contains(&reads);
+        let has_load = has(Reads::Load) || has(Reads::Force);
+        let gives_on = self.gives.iter().any(|(gives, _)| *gives == Gives::AddToNext);
+        let all = [
+            ("signal", true),
+            ("own", !is_cord),
+            ("sum", !is_cord),
+            ("position", has(Reads::Position)),
+            ("load", has_load),
+            ("force", has_load),
+            ("next", gives_on),
+            ("sample", true),
+            ("record", true),
+        ];
+        all.into_iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name).collect()
+    }
+}
+
 impl Effect {
     /// Whether it may act at the same place twice: each time with a frequency of its own.
     pub fn recurs(&self) -> bool {

@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 use serde_json::{Map, Value};
 
 use super::{Attachment, Effect, EffectParameter, Form, Gives, Reads, Start};
+use crate::gap::reach::is_product;
 use crate::patch::fields::{Fields, Findings, list, number, word, words};
 use crate::patch::tree::{self, Content, Node};
 use crate::patch::{Code, Diagnostic, Formula, Placed, Report, Span, formula_at, suggestion, unit_of};
@@ -59,13 +60,14 @@ fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> 
     });
     let forms = fields.need("forms", "the ways to wire it: a list of one or more");
     let nodes = forms.and_then(|node| list(node, "forms", findings)).unwrap_or_default();
-    let names: Vec<&str> = parameters.keys().map(String::as_str).collect();
-    let forms = nodes.iter().filter_map(|node| form(node, &names, findings)).collect();
+    let forms = nodes.iter().filter_map(|node| form(node, &parameters, findings)).collect();
+    let parameters = parameters.into_iter().map(|(name, own)| (name, own.value)).collect();
     fields.finish(findings);
     Some(Effect { name, title, law, physics, source, excitation, aliases, parameters, forms })
 }
 
-fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<EffectParameter> {
+/// A parameter, with the place of its reach.
+fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<Placed<EffectParameter>> {
     let mut fields = Fields::of(node, format!("parameter {name}"), findings)?;
     let reach =
         fields.need("reach", "what it is measured in, as a formula of what is largest: \"sum / own\"");
@@ -76,11 +78,18 @@ fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<EffectP
         "start",
         "the values from which fits begin, in reaches, or \"spectrum\", \"highest\", \"lowest\"",
     );
-    let start = start.and_then(|node| start_of(node, findings));
+    let start = start.and_then(|node| start_of(node, range, findings));
     let none = fields.take("none").and_then(|node| none_of(node, range, findings));
     let description = fields.text("description", findings);
     fields.finish(findings);
-    Some(EffectParameter { reach: reach?.value, range: range?, start: start?, none, description })
+    let Placed { value: reach, span } = reach?;
+    if !is_product(&reach) {
+        let message = format!("{} is no product of powers of what is largest", reach.text());
+        let hint = "write it like \"sum / own^2\"";
+        findings.push(Diagnostic::at(Code::BadNumber, span, message).hint(hint));
+    }
+    let value = EffectParameter { reach, range: range?, start: start?, none, description };
+    Some(Placed { value, span })
 }
 
 fn pair(node: &Node, key: &str, findings: &mut Findings) -> Option<[f64; 2]> {
@@ -106,18 +115,32 @@ fn none_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Opt
     }
 }
 
-fn start_of(node: &Node, findings: &mut Findings) -> Option<Start> {
+fn start_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Option<Start> {
     if let Content::Text(text) = &node.value {
         let known = Start::WORDS.iter().find(|(word, _)| word == text).map(|(_, start)| start.clone());
         if known.is_some() {
             return known;
         }
     }
-    let values = list(node, "start", findings)?.iter().map(|node| number(node, "start", findings));
-    Some(Start::Values(values.collect::<Option<Vec<_>>>()?))
+    let nodes = list(node, "start", findings)?;
+    let values: Vec<f64> = nodes.iter().map(|node| number(node, "start", findings)).collect::<Option<_>>()?;
+    let [low, high] = range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    if values.is_empty() {
+        let message = "\"start\" lists no value from which a fit could begin";
+        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+    }
+    for (value, node) in values.iter().zip(nodes).filter(|(value, _)| !(low..=high).contains(*value)) {
+        let message = format!("a fit begins at {value}, outside the range {low} ... {high}");
+        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+    }
+    Some(Start::Values(values))
 }
 
-fn form(node: &Node, parameters: &[&str], findings: &mut Findings) -> Option<Form> {
+fn form(
+    node: &Node,
+    parameters: &IndexMap<String, Placed<EffectParameter>>,
+    findings: &mut Findings,
+) -> Option<Form> {
     let mut fields = Fields::of(node, "a form", findings)?;
     let note = fields.text("note", findings);
     let at = fields.need("at", "where it attaches: motion, store, sum, drive, level or total");
@@ -142,8 +165,9 @@ fn form(node: &Node, parameters: &[&str], findings: &mut Findings) -> Option<For
     let [drives, elements] = ["drives", "elements"].map(|key| object(fields.take(key)));
     let free = fields.take("free").map(|node| words(node, "free", findings)).unwrap_or_default();
     let own = fields.take("parameters").map(|node| words(node, "parameters", findings));
-    let own = own.map(|names| known(names, parameters, findings));
-    let parameters = own.unwrap_or_else(|| parameters.iter().map(|name| (*name).to_owned()).collect());
+    let names: Vec<&str> = parameters.keys().map(String::as_str).collect();
+    let own = own.map(|names_told| known(names_told, &names, findings));
+    let own = own.unwrap_or_else(|| parameters.keys().cloned().collect());
     fields.finish(findings);
     if gives.is_empty() || elements.is_empty() {
         let message = "a form needs \"elements\", and says in \"gives\" what they are wired to";
@@ -151,7 +175,29 @@ fn form(node: &Node, parameters: &[&str], findings: &mut Findings) -> Option<For
     }
     let free = free.into_iter().filter(|name| is_inside(name, &elements, findings));
     let free = free.map(|name| name.value).collect();
-    Some(Form { note, at: at?, signal, reads, gives, times, gains, drives, elements, free, parameters })
+    let form =
+        Form { note, at: at?, signal, reads, gives, times, gains, drives, elements, free, parameters: own };
+    check_measures(&form, parameters, findings);
+    Some(form)
+}
+
+/// What the parameters of a form are measured in has to be there where it attaches.
+fn check_measures(
+    form: &Form,
+    parameters: &IndexMap<String, Placed<EffectParameter>>,
+    findings: &mut Findings,
+) {
+    let known = form.measures();
+    for (name, own) in form.parameters.iter().filter_map(|name| Some((name, parameters.get(name)?))) {
+        for missing in own.value.reach.names().into_iter().filter(|named| !known.contains(named)) {
+            let at = form.at.word();
+            let message = format!(
+                "{name} is measured in {missing}, which a form at \"{at}\" with its \"reads\" has not"
+            );
+            let hint = format!("there are {}", known.join(", "));
+            findings.push(Diagnostic::at(Code::UnknownName, own.span, message).hint(hint));
+        }
+    }
 }
 
 /// Whether a form has an element of that name.

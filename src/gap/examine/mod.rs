@@ -1,10 +1,12 @@
 //! What data are like before any model is held against them: noise, steps of the recorder, gaps, what was excited.
 
+mod column;
 mod noise;
 mod quantum;
 mod spectrum;
 mod wild;
 
+pub use column::{Column, columns};
 pub use noise::{Noise, NoiseKind};
 pub use spectrum::SHARES;
 

@@ -129,10 +129,14 @@ fn over_time(found: &Whereabouts) -> impl Iterator<Item = Picture> {
 
 /// The force over a quantity.
 fn over_quantity(found: &Whereabouts, curve: &Curve) -> Picture {
-    let branches: Vec<(&str, &[[f64; 3]])> = match &curve.by_direction {
+    let mut branches: Vec<(&str, &[[f64; 3]])> = match &curve.by_direction {
         Some([rising, falling]) => vec![("rising", rising), ("falling", falling)],
-        None => vec![("curve", &curve.points)],
+        None => Vec::new(),
     };
+    // What was wired in does not know directions.
+    if branches.is_empty() || curve.held_out.is_some() {
+        branches.push(("curve", &curve.points));
+    }
     let all: Vec<[f64; 3]> = branches.iter().flat_map(|(_, points)| points.iter().copied()).collect();
     let scatter: Vec<[f64; 3]> = curve.scatter.iter().map(|[value, force]| [*value, *force, 0.0]).collect();
     let graph = Graph::new([&curve.against, &curve.unit], found, &[all, scatter.clone()].concat());

@@ -20,8 +20,6 @@ pub struct Variable {
     pub may_jump: bool,
 }
 
-/// So many knots a curve has.
-const KNOTS: usize = 24;
 /// On either side of 0 a jump takes this share of the range.
 const JUMP: f64 = 2e-3;
 /// What is slower than this share of the fastest is at rest,
@@ -47,8 +45,8 @@ impl Variable {
         rests.then_some(Variable { name, unit, reading: None, tracks, may_jump: false })
     }
 
-    /// Knots over its range, with two about 0 where a force may jump there; nothing where it stands still.
-    pub fn knots(&self) -> Option<Vec<f64>> {
+    /// So many knots over its range, with two about 0 where a force may jump there; nothing where it stands still.
+    pub fn knots(&self, count: usize) -> Option<Vec<f64>> {
         let extent = |[low, high]: [f64; 2], own: &f64| [low.min(*own), high.max(*own)];
         let [low, high] = self.tracks.iter().flatten().fold([f64::INFINITY, f64::NEG_INFINITY], extent);
         let range = high - low;
@@ -56,7 +54,7 @@ impl Variable {
             return None;
         }
         let mut knots: Vec<f64> =
-            (0..KNOTS).map(|place| low + range * place as f64 / (KNOTS - 1) as f64).collect();
+            (0..count).map(|place| low + range * place as f64 / (count - 1) as f64).collect();
         let jump = JUMP * range;
         if self.may_jump && low < -jump && high > jump {
             knots.retain(|knot| knot.abs() > 2.0 * jump);

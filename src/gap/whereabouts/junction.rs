@@ -15,6 +15,8 @@ use crate::patch::Patch;
 
 /// Over so many knots the force of all records goes, and over more where something is left.
 const KNOTS: [usize; 2] = [160, 400];
+/// So many knots a curve has, or more where that is likelier.
+const CURVE_KNOTS: [usize; 2] = [24, 72];
 /// What is left is nothing, in squares over noise.
 const NOTHING_LEFT: f64 = 1.1;
 /// How near knobs stay to where they were without the force, in shares of their ranges: nearer, where that leads nowhere.
@@ -218,13 +220,17 @@ impl At<'_> {
         time: &Found,
         forces: &[Vec<[f64; 2]>],
     ) -> Option<Drawn> {
-        let knots = variable.knots()?;
-        let solve = |turns| {
+        let solve = |count, turns| {
+            let knots = variable.knots(count)?;
             let shares = variable.shares(sought.shape, &knots, turns, &self.intervals());
             let groups = vec![knots.len(); shares.ncols() / knots.len()];
-            time.products.over(&shares, groups).solved()
+            Some((count, knots, time.products.over(&shares, groups).solved()?))
         };
-        let one = solve(false)?;
+        let curves = CURVE_KNOTS.into_iter().filter_map(|count| solve(count, false));
+        let likelier = |few: (usize, _, Solved), many: (usize, _, Solved)| {
+            if many.2.evidence > few.2.evidence + TELLING { many } else { few }
+        };
+        let (count, knots, one) = curves.reduce(likelier)?;
         let points = |solved: &Solved, first: usize| -> Vec<[f64; 3]> {
             let number = |(place, knot): (usize, &f64)| {
                 let variance = solved.covariance[(first + place, first + place)];
@@ -232,7 +238,7 @@ impl At<'_> {
             };
             knots.iter().enumerate().map(number).collect()
         };
-        let two = solve(true).filter(|two| two.evidence > one.evidence + TELLING);
+        let two = solve(count, true).map(|(.., two)| two).filter(|two| two.evidence > one.evidence + TELLING);
         let curve = Curve {
             against: variable.name.clone(),
             unit: variable.unit.clone(),

@@ -1,0 +1,82 @@
+//! A small patch that effects of one's own are wired into before they are taken, so that what is wrong with a fragment is told at
+//! its place in its own file and not at every junction of a patch.
+
+use super::candidate::Candidate;
+use super::effect::Effect;
+use super::graft::Attached;
+use super::model::ModelError;
+use super::reach::Largest;
+use super::site::Sites;
+use crate::circuit::Circuit;
+use crate::patch::tree::{self, Content, Node};
+use crate::patch::{Code, Diagnostic, EditError, Patch, Report, Severity, Span, Unit};
+use crate::program::Program;
+
+/// The patch: a mass with friction, and two tanks.
+static PROBE: &str = include_str!("probe.json");
+/// How far its signals go, in volts,
+const EXTENT: f64 = 40.0;
+/// what lies between two samples and how long a record is, in seconds,
+const TIMES: [(&str, f64); 2] = [("sample", 0.01), ("record", 10.0)];
+/// and the frequencies at which a force is missing, in Hz.
+const PEAKS: [f64; 1] = [1.0];
+
+/// Wires every form of an effect, read from this text, wherever it fits.
+///
+/// # Errors
+/// What is wrong with the forms that cannot be wired, each at its elements.
+pub(super) fn check(file: &str, text: &str, effect: &Effect) -> Result<(), Box<Report>> {
+    let patch = Patch::parse("probe.json", PROBE)?;
+    let circuit = Circuit::new(&patch, &[])?;
+    let drives: Vec<&str> = patch.drives.keys().map(String::as_str).collect();
+    let sites = Sites::of(&circuit, &drives);
+    let spans = spans(text);
+    let mut findings = Vec::new();
+    for (number, form) in effect.forms.iter().enumerate() {
+        let all = Attached::all(effect, &sites);
+        let mut own = all.iter().filter(|attached| std::ptr::eq(attached.form, form));
+        let wrong = own.find_map(|attached| wired(attached, &patch).err());
+        findings.extend(wrong.map(|error| finding(&error, spans.get(number).copied().unwrap_or_default())));
+    }
+    if findings.is_empty() { Ok(()) } else { Err(Box::new(Report::new(file, text, findings))) }
+}
+
+fn wired(attached: &Attached<'_>, patch: &Patch) -> Result<(), ModelError> {
+    let Some(candidate) = Candidate::new(attached, patch, &largest(attached), &PEAKS)? else { return Ok(()) };
+    let circuit = Circuit::new(&candidate.graft.patch, &[])?;
+    Program::new(&circuit)?;
+    Ok(())
+}
+
+fn largest(attached: &Attached<'_>) -> Vec<Largest> {
+    let roles = attached.place.roles().into_iter().map(|(name, role)| {
+        let end = EXTENT * role.per_volt();
+        Largest::of(name, role.unit().clone(), [-end, end])
+    });
+    let seconds = |(name, value)| Some(Largest::of(name, Unit::parse("s").ok()?, [0.0, value]));
+    roles.chain(TIMES.into_iter().filter_map(seconds)).collect()
+}
+
+/// The first thing that is wrong with a form, where its elements stand.
+fn finding(error: &ModelError, span: Span) -> Diagnostic {
+    let (ModelError::Patch(report) | ModelError::Edit(EditError::Text(report))) = error else {
+        return Diagnostic::at(Code::BadPatch, span, format!("this form cannot be wired: {error}"));
+    };
+    let first = report.findings.iter().find(|finding| finding.code.severity() == Severity::Error);
+    let Some(first) = first else { return Diagnostic::at(Code::BadPatch, span, "this form cannot be wired") };
+    Diagnostic::at(first.code, span, format!("this form cannot be wired: {}", first.message))
+        .maybe_hint(first.hint.clone())
+}
+
+/// Where the elements of every form stand.
+fn spans(text: &str) -> Vec<Span> {
+    let root = tree::parse(text).ok();
+    let forms = root.as_ref().and_then(|root| child(root, "forms"));
+    let Some(Content::List(forms)) = forms.map(|node| &node.value) else { return Vec::new() };
+    forms.iter().map(|form| child(form, "elements").unwrap_or(form).span).collect()
+}
+
+fn child<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
+    let Content::Object(entries) = &node.value else { return None };
+    entries.iter().find(|entry| entry.key == key).map(|entry| &entry.value)
+}
