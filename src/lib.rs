@@ -45,5 +45,6 @@ pub mod replay;
 pub mod schematic;
 pub mod slideway;
 pub mod solve;
+mod spare;
 pub mod sweep;
 pub mod trace;

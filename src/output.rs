@@ -206,6 +206,15 @@ mod tests {
         assert!(write_whole(Path::new(""), b"x").is_err());
     }
 
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_folder_that_takes_no_files_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(check_folder_takes_files(folder.path()).is_ok());
+        assert_eq!(names(folder.path()), 0);
+        assert!(check_folder_takes_files(Path::new("/proc")).is_err());
+    }
+
     #[cfg(unix)]
     mod unix {
         use super::*;

@@ -8,6 +8,8 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
+use crate::spare::Seat;
+
 /// After so long without a result whoever waits for it is told.
 const TOLD_AFTER: Duration = Duration::from_secs(1);
 
@@ -50,7 +52,8 @@ where
     })
 }
 
-/// The result of every item in their order, worked out on so many threads. `progress` is told how many are done.
+/// The result of every item in their order, worked out on so many threads; those that have run out of items help the others
+/// with what they do by [`spare::each`]. `progress` is told how many are done.
 pub fn each<I: Sync, T: Send>(
     items: &[I],
     threads: usize,
@@ -58,12 +61,15 @@ pub fn each<I: Sync, T: Send>(
     mut progress: impl FnMut(u64),
 ) -> Vec<T> {
     let (count, mut results) = (items.len() as u64, Vec::with_capacity(items.len()));
-    let work = |(): &mut (), some: Range<u64>| some.map(|index| work(&items[index as usize])).collect();
+    let work = |seat: &mut Seat, some: Range<u64>| {
+        seat.take();
+        some.map(|index| work(&items[index as usize])).collect()
+    };
     let Ok(()) = in_order(
         0..count,
         count,
-        vec![(); threads.max(1)],
-        |()| 1,
+        Seat::several(threads.max(1)),
+        |_| 1,
         work,
         |result| {
             results.extend(result);

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use common::files::check_fresh;
 use patchcord::circuit::Circuit;
 use patchcord::elements::reference_page;
+use patchcord::gap::effect::{Attachment, Gives, Library, Reads};
 use patchcord::patch::{Patch, json_schema};
 use patchcord::plot;
 use patchcord::program::Program;
@@ -55,10 +56,31 @@ fn every_path_named_exists() {
     }
 }
 
-/// The patches in the fenced JSON blocks of a document; what names a patch is an experiment.
+/// The fenced JSON blocks of a document.
+fn blocks(text: &str) -> impl Iterator<Item = &str> {
+    text.split("```json\n").skip(1).filter_map(|rest| rest.split("```").next())
+}
+
+/// The patches among them; what names a patch is an experiment.
 fn patches_shown(text: &str) -> impl Iterator<Item = &str> {
-    let blocks = text.split("```json\n").skip(1).filter_map(|rest| rest.split("```").next());
-    blocks.filter(|block| !block.contains("\"patch\":"))
+    blocks(text).filter(|block| !block.contains("\"patch\":") && !block.contains("\"effect\":"))
+}
+
+#[test]
+fn the_effect_shown_is_right() {
+    let text = fs::read_to_string("docs/effect-format.md").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("square-stiffness.json"), blocks(&text).next().unwrap()).unwrap();
+    let library = Library::default().and_folder(folder.path()).unwrap_or_else(|error| panic!("{error}"));
+    let effect = library.get("square-stiffness").unwrap();
+    // Every name that the page lists can be met.
+    let listed = ["sum", "own", "signal", "position", "load", "force", "next", "sample", "record"];
+    assert!(effect.forms[0].measures().iter().all(|name| listed.contains(name)));
+    assert!(listed.iter().all(|name| text.contains(&format!("`{name}`"))));
+    let words = Attachment::ALL.iter().map(|own| own.word()).chain(Reads::ALL.iter().map(|own| own.word()));
+    for word in words.chain(Gives::ALL.iter().map(|own| own.word())) {
+        assert!(text.contains(&format!("`{word}`")), "{word}");
+    }
 }
 
 #[test]

@@ -22,11 +22,14 @@ const PAGE: &str = "docs/measured.md";
 const HEADING: &str = "## What the search says of them\n";
 const INTRO: &str = "
 From `cargo bench --bench measured`. Of a slide it tells the error in velocity, of the tanks the rms of what is left: of the
-data it was fitted to, and of the test.
+data it was fitted to, and of the test. *Rejected* are laws that others have proposed for them, with what they leave at best in
+place of what was named first.
 
-| experiment | what is said | as fitted | before | after | time |
-|---|---|---|---|---|---|
+| experiment | what is said | as fitted | before | after | rejected | time |
+|---|---|---|---|---|---|---|
 ";
+/// What others have proposed.
+const PROPOSED: [&str; 2] = ["stribeck-friction", "saturation"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let chosen: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
@@ -59,11 +62,23 @@ fn row(name: &str, path: &Path) -> Result<String, Box<dyn Error>> {
     let found = found.ok_or(format!("{name} cannot be run"))?;
     let seconds = began.elapsed().as_secs_f64();
     let [before, after] = [&found.base, found.told()].map(|stage| told(&experiment, &problem, stage));
+    let rejected = rejected(&found, |stage| told(&experiment, &problem, stage));
     Ok(format!(
-        "| {name} | {} | {} | {before} | {after} | {seconds:.0} s |",
+        "| {name} | {} | {} | {before} | {after} | {rejected} | {seconds:.0} s |",
         found.sentence(),
         values(&found)
     ))
+}
+
+/// What was proposed and is not named, with what it leaves.
+fn rejected(found: &Outcome, told: impl Fn(&Stage) -> String) -> String {
+    let first = found.rounds.iter().find(|round| round.taken);
+    let tried = |name: &&str| {
+        let own = first?.trials.iter().find(|trial| trial.candidate.effect == *name)?;
+        let is_named = found.effects.iter().any(|effect| effect.effect == *name);
+        (!is_named).then(|| format!("{}: {}", own.named(), told(&own.stage)))
+    };
+    PROPOSED.iter().filter_map(tried).collect::<Vec<_>>().join("; ")
 }
 
 /// What was fitted in the end.

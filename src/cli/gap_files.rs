@@ -11,6 +11,7 @@ use super::files::{check_not, prepare, put, unwritable};
 use patchcord::gap::Experiment;
 use patchcord::gap::model::ModelError;
 use patchcord::gap::page::{self, Told};
+use patchcord::gap::provenance::table_files;
 use patchcord::gap::separate::Separating;
 use patchcord::patch::Patch;
 
@@ -33,6 +34,8 @@ impl<'f> Folder<'f> {
         check_not("the experiment", Path::new(&experiment.file), paths.iter())?;
         check_not("the patch", Path::new(experiment.patch.file()), paths.iter())?;
         experiment.files.iter().try_for_each(|file| check_not("a record", file, paths.iter()))?;
+        let tables = table_files(&experiment.patch);
+        tables.iter().try_for_each(|file| check_not("a table of the patch", file, paths.iter()))?;
         prepare(Some(folder), paths.iter())?;
         Ok(Folder { folder })
     }

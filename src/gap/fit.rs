@@ -9,6 +9,7 @@ use super::model::{Choice, Course, Knob, Model};
 use super::normal::{Column, Normal};
 use super::record::Record;
 use crate::machines::REFERENCE;
+use crate::spare;
 
 /// What is fitted to what.
 #[derive(Debug, Clone, Copy)]
@@ -145,8 +146,8 @@ impl Task<'_> {
         if self.offset.contains(&true) {
             return still.reached(from).map(|reached| reached.point);
         }
-        let initial = (0..self.records.len()).map(|record| still.begins(from, record));
-        Some(Point { initial: initial.collect::<Option<_>>()?, ..from.clone() })
+        let initial = spare::each(self.records.len(), |record| still.begins(from, record));
+        Some(Point { initial: initial.into_iter().collect::<Option<_>>()?, ..from.clone() })
     }
 
     /// The initial voltages of a record, found without the others.
@@ -257,9 +258,12 @@ impl Task<'_> {
     /// What the model does at several points: of every record; nothing where one of them cannot be run.
     pub(super) fn courses(&self, points: &[DVector<f64>]) -> Vec<Option<Vec<Course>>> {
         let mut all = vec![Some(Vec::new()); points.len()];
-        for record in 0..self.records.len() {
+        let runs = spare::each(self.records.len(), |record| {
             let choices: Vec<_> = points.iter().map(|at| self.choice(at, record)).collect();
-            for (courses, course) in all.iter_mut().zip(self.model.run(record, &choices)) {
+            self.model.run(record, &choices)
+        });
+        for run in runs {
+            for (courses, course) in all.iter_mut().zip(run) {
                 *courses = courses.take().zip(course).map(|(mut courses, course)| {
                     courses.push(course);
                     courses
@@ -319,8 +323,8 @@ impl Task<'_> {
     /// The derivatives of every residual, gathered into normal matrix and gradient.
     fn normal(&self, at: &DVector<f64>, courses: &[Course]) -> Normal {
         let (mut normal, nudges) = (Normal::empty(at.len()), self.nudges(at));
-        for (record, course) in courses.iter().enumerate() {
-            let outputs = self.told_by(at, record, course, &nudges);
+        let told = spare::each(courses.len(), |record| self.told_by(at, record, &courses[record], &nudges));
+        for outputs in told {
             outputs.iter().for_each(|(columns, residual)| normal.add(columns, residual));
         }
         normal

@@ -28,7 +28,7 @@ pub mod page;
 mod parts;
 mod probe;
 pub mod progress;
-mod provenance;
+pub mod provenance;
 pub mod reach;
 mod record;
 pub mod report;

@@ -95,21 +95,31 @@ fn finished(patch: &Patch, experiment: &Experiment, told: &str, file: &str) -> R
     Ok(patch.edited(file, &edits)?)
 }
 
+/// The files that hold tables of a patch.
+pub fn table_files(patch: &Patch) -> Vec<PathBuf> {
+    let folder = Path::new(patch.file()).parent().unwrap_or(Path::new(""));
+    tables_named(patch).map(|(_, csv)| folder.join(csv)).collect()
+}
+
 /// Where a patch names files with tables from its folder, their names from that of another file.
 fn tables(patch: &Patch, file: &str) -> Vec<Edit> {
-    let all = patch.value();
-    let inside =
-        members(&all["macros"]).map(|(name, own)| (vec!["macros", name, "elements"], &own["elements"]));
-    let sections = ["drives", "elements"].map(|section| (vec![section], &all[section]));
-    let named = sections.into_iter().chain(inside).flat_map(|(section, entries)| {
-        in_files(entries)
-            .map(move |[name, key, csv]| ([section.as_slice(), &[name, key, "csv"]].concat(), csv))
-    });
     let edit = |(path, csv): (Vec<&str>, &str)| {
         let value = json!(renamed(patch.file(), csv, file)?);
         Some(Edit { path: path.into_iter().map(str::to_owned).collect(), value })
     };
-    named.filter_map(edit).collect()
+    tables_named(patch).filter_map(edit).collect()
+}
+
+/// The places where a patch names files with tables, and these.
+fn tables_named(patch: &Patch) -> impl Iterator<Item = (Vec<&str>, &str)> {
+    let all = patch.value();
+    let inside =
+        members(&all["macros"]).map(|(name, own)| (vec!["macros", name, "elements"], &own["elements"]));
+    let sections = ["drives", "elements"].map(|section| (vec![section], &all[section]));
+    sections.into_iter().chain(inside).flat_map(|(section, entries)| {
+        in_files(entries)
+            .map(move |[name, key, csv]| ([section.as_slice(), &[name, key, "csv"]].concat(), csv))
+    })
 }
 
 /// The settings of elements or drives that are tables in files: element, setting, file.

@@ -14,7 +14,7 @@ use super::score::Advantage;
 use super::search::{Outcome, Verdict};
 use super::separate::Separating;
 use super::stage::{Problem, Stage};
-use super::whereabouts::Whereabouts;
+use super::whereabouts::{Whereabouts, nearest};
 use crate::instruments::number;
 
 impl Stage {
@@ -119,9 +119,11 @@ impl Outcome {
                 format!("nothing is missing that these data would show{least}")
             }
             Verdict::UnknownEffect => {
-                let unknown = "something is missing that the library does not have";
+                let at = nearest(&self.whereabouts).join(" or ");
+                let at = if at.is_empty() { at } else { format!(" at {at}") };
+                let unknown = format!("something is missing{at} that the library does not have");
                 match effects.as_str() {
-                    "" => unknown.to_owned(),
+                    "" => unknown,
                     effects => format!(
                         "{unknown}: with {effects} {} % of the gap would be left, which is no noise",
                         number(100.0 * self.left)

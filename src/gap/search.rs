@@ -20,6 +20,7 @@ use super::whereabouts::Whereabouts;
 use crate::circuit::Circuit;
 use crate::patch::Patch;
 use crate::pool;
+use crate::spare;
 
 /// What was found out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -134,6 +135,17 @@ impl Problem {
         with: &Means<'_>,
         mut progress: impl FnMut(Progress),
     ) -> Result<Option<Outcome>, ModelError> {
+        spare::with_threads(with.threads, || self.searched(patch, fit, with, &mut progress))
+    }
+
+    /// What comes of it, on the threads that it has.
+    fn searched(
+        &self,
+        patch: &Patch,
+        fit: &[String],
+        with: &Means<'_>,
+        progress: &mut impl FnMut(Progress),
+    ) -> Result<Option<Outcome>, ModelError> {
         progress(Progress::of(Part::Base));
         let Some(mut base) = self.base(patch, fit, with.seed)? else { return Ok(None) };
         if let Some(turned) = self.turned(&base, patch, fit, with.seed)? {
@@ -142,7 +154,7 @@ impl Problem {
         let mut come = Come { rounds: Vec::new(), effects: Vec::new(), stage: base.clone() };
         let (mut bettered, mut before_promise) = (0, None);
         while come.rounds.len() < MOST_EFFECTS {
-            let round = self.round(&come.stage, &come.effects, None, with, &mut progress)?;
+            let round = self.round(&come.stage, &come.effects, None, with, progress)?;
             // A trial may have found what the patch alone could have been fitted to.
             let better = match bettered < MOST_BETTERED {
                 true => self.better(&come.stage, &round, with.threads)?,
@@ -163,8 +175,8 @@ impl Problem {
             }
         }
         let Come { mut rounds, effects, stage } = match before_promise {
-            None => self.settled(&base, come, true, with, &mut progress)?,
-            Some(before) => self.settled(&base, come, false, with, &mut progress)?.or(before),
+            None => self.settled(&base, come, true, with, progress)?,
+            Some(before) => self.settled(&base, come, false, with, progress)?.or(before),
         };
         let stage = self.with_intervals(stage, base.version.fit.len(), with.threads)?;
         let left = stage.gap() / base.gap();

@@ -4,6 +4,7 @@ use super::fit::Point;
 use super::model::{Choice, Course, ModelError};
 use super::stage::{Problem, Stage, Version};
 use crate::patch::Patch;
+use crate::spare;
 
 /// The solver may err by this share of the noise, rms.
 const FINE: f64 = 0.1;
@@ -49,8 +50,11 @@ impl Problem {
             let model = self.model(&Version { steps, ..version.clone() }, &self.train, &self.outputs)?;
             let choices =
                 at.initial.iter().map(|initial| Choice { knobs: at.knobs.clone(), initial: initial.clone() });
-            let courses = choices.enumerate().map(|(record, own)| model.run(record, &[own]).pop().flatten());
-            Ok::<_, ModelError>(courses.collect::<Option<Vec<Course>>>())
+            let choices: Vec<Choice> = choices.collect();
+            let courses = spare::each(choices.len(), |record| {
+                model.run(record, std::slice::from_ref(&choices[record])).pop().flatten()
+            });
+            Ok::<_, ModelError>(courses.into_iter().collect::<Option<Vec<Course>>>())
         };
         let (mut steps, mut coarse) = (version.steps, run(version.steps)?);
         while steps < MOST_STEPS {

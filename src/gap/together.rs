@@ -13,7 +13,7 @@ use super::parts::{Cutting, Part, Use, apart};
 use super::record::Record;
 use super::subject::{Subject, Target};
 use crate::patch::fields::Findings;
-use crate::patch::{Code, Diagnostic, Placed, Report, Unit, any_error, suggestion, told};
+use crate::patch::{Code, Diagnostic, Patch, Placed, Report, Unit, any_error, suggestion, told};
 
 /// An experiment's document that is being held against patch and data.
 pub(super) struct Bringing<'a> {
@@ -82,6 +82,7 @@ impl<'a> Bringing<'a> {
         let pieces = document.pieces.as_ref().map(|pieces| pieces.value * seconds);
         self.check_pieces(pieces, &train, &test);
         let subject = subject?;
+        self.check_fed(subject.patch());
         let fed = |name: &str| document.drives.iter().any(|drive| drive.wire.name.value == name);
         let fit = to_fit(subject.patch(), &fed, document.fit.as_deref(), self.findings);
         let made = Experiment {
@@ -158,6 +159,21 @@ impl<'a> Bringing<'a> {
             let message = format!("a piece of {} has fewer than {LEAST_SAMPLES} samples", record.name);
             let hint = format!("they are taken every {} s", told(record.interval));
             self.findings.push(Diagnostic::at(Code::TooFewSamples, asked.span, message).hint(hint));
+        }
+    }
+
+    /// Tells where all that moves the patch is its own; steps are mostly constants.
+    fn check_fed(&mut self, patch: &Patch) {
+        let moving = patch.drives.iter().filter(|(_, drive)| drive.kind.name != "step");
+        let names: Vec<&str> = moving.map(|(name, _)| name.as_str()).collect();
+        let Some(named) = self.document.patch.as_ref().filter(|_| self.document.drives.is_empty()) else {
+            return;
+        };
+        if !names.is_empty() {
+            let names = names.join(", ");
+            let message =
+                format!("no column feeds a drive: {names} of the patch go on as they are written there");
+            self.findings.push(Diagnostic::at(Code::UnfedDrives, named.span, message));
         }
     }
 

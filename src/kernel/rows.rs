@@ -207,8 +207,8 @@ fn take(row: &[Vector], column: usize) -> f64 {
 
 impl Frame<f64> {
     /// Room for blocks of steps, so that none has to be made while they are gone.
-    pub fn with_rows(mut self, kernel: &Kernel) -> Self {
-        self.rows.make_room(&Columns::of(kernel));
+    pub(super) fn with_rows(mut self, columns: &Columns) -> Self {
+        self.rows.make_room(columns);
         self
     }
 

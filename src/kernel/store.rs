@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::rows::Columns;
 use super::{Backend, Formation, Frame, Kernel, Look, Native, Steps};
 use crate::program::{Program, Register};
 
@@ -19,6 +20,8 @@ pub(crate) struct Folded {
     pub kernel: Kernel,
     /// Whether all that is recorded follows states.
     records_states: bool,
+    /// Where everything stands in the rows of native code.
+    columns: Columns,
     native: OnceLock<Option<Native>>,
     /// So many steps and looks are interpreted before native code is made.
     pays: u64,
@@ -60,6 +63,7 @@ impl Kernels {
             native: OnceLock::new(),
             pays: pays(&kernel),
             records_states: kernel.records_states(),
+            columns: Columns::of(&kernel),
             kernel,
             interpreted: AtomicU64::new(0),
         });
@@ -82,6 +86,12 @@ impl Folded {
     /// Whether it was folded for these modes.
     pub fn is_for(&self, modes: &[f64]) -> bool {
         self.modes == modes
+    }
+
+    /// A frame without numbers, with room for what a backend needs.
+    pub fn frame(&self, backend: Backend) -> Frame<f64> {
+        let frame = self.kernel.frame();
+        if backend.may_be_native() { frame.with_rows(&self.columns) } else { frame }
     }
 
     /// Goes so many steps of a grid from one of its instants, as long as nothing is met: how many were gone.

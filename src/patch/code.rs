@@ -143,6 +143,8 @@ codes! {
         "write the range that is meant: what lies beyond the data is left out";
     BeyondScale "beyond-scale" Warning "Data for which 100 V of their scale are not enough."
         "let a volt of the scale stand for more";
+    UnfedDrives "unfed-drives" Warning "An experiment of which no column feeds a drive of the patch."
+        "name the column of each under \"drives\", if what drove the thing was measured";
 }
 
 #[cfg(test)]

@@ -47,7 +47,7 @@ mod tests {
 
     fn hears(patch: &Patch) -> Vec<Vec<usize>> {
         let program = Program::new(&Circuit::new(patch, &[]).unwrap()).unwrap();
-        program.delays.into_iter().map(|delay| delay.hears).collect()
+        program.delays.iter().map(|delay| delay.hears.clone()).collect()
     }
 
     #[test]

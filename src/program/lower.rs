@@ -1,10 +1,11 @@
 //! From the circuit to the program: every element's law, emitted once.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::coefficient::{Order, Relation};
 use super::standing::ScaleSlot;
-use super::{Lamp, Loop, ModeHandle, Op, Outlet, ParameterSlot, Probe, Program, Register, Switch};
+use super::{Declared, Lamp, Loop, ModeHandle, Op, Outlet, ParameterSlot, Probe, Program, Register, Switch};
 use crate::circuit::{Circuit, Stage};
 use crate::elements::{Family, Output};
 use crate::machines::REFERENCE;
@@ -51,20 +52,19 @@ pub struct Lowering<'c> {
 impl<'c> Lowering<'c> {
     fn new(circuit: &'c Circuit) -> Self {
         let elements = circuit.elements();
-        let parameters = circuit.parameters().map(|(name, parameter, value)| ParameterSlot {
-            name: name.to_owned(),
-            value: value * parameter.unit.factor(),
-            per_unit: parameter.unit.factor(),
-            range: parameter.range,
-            unit: parameter.unit.text().to_owned(),
-            dimension: parameter.unit.dimension(),
+        let parameters = circuit.parameters().map(|(name, parameter, value)| {
+            let declared = Declared {
+                name: name.to_owned(),
+                per_unit: parameter.unit.factor(),
+                range: parameter.range,
+                unit: parameter.unit.text().to_owned(),
+                dimension: parameter.unit.dimension(),
+            };
+            ParameterSlot { value: value * declared.per_unit, declared: Arc::new(declared) }
         });
-        let program = Program {
-            parameters: parameters.collect(),
-            readers: circuit.all_readers(),
-            time_scale: circuit.time_scale(),
-            ..Program::default()
-        };
+        let mut program = Program { parameters: parameters.collect(), ..Program::default() };
+        program.readers = circuit.all_readers();
+        program.time_scale = circuit.time_scale();
         Lowering {
             circuit,
             program,

@@ -51,6 +51,7 @@ pub(crate) use op::Sources;
 pub(crate) use standing::Standing;
 pub(crate) use tangent::{Beside, Slopes, StandingSlopes};
 
+use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
 use coefficient::Order;
@@ -60,11 +61,21 @@ use crate::kernel::Kernels;
 use crate::machines::REFERENCE;
 use crate::patch::Dimension;
 
-/// A circuit as operations. Made by [`Program::new`]; run by [`crate::solve::Machine`].
+/// A circuit as operations. Made by [`Program::new`]; run by [`crate::solve::Machine`]. Copies, which runs of their own turn, share
+/// what no run changes.
 #[derive(Debug, Clone, Default)]
 pub struct Program {
-    pub(crate) prologue: Vec<Op>,
     pub(crate) parameters: Vec<ParameterSlot>,
+    pub(crate) tables: Arc<Tables>,
+    /// When tables have corners: no step reaches across one.
+    pub(crate) corners: Arc<Corners>,
+    lowered: Arc<Lowered>,
+}
+
+/// What of a [`Program`] no run changes.
+#[derive(Debug, Clone, Default)]
+pub struct Lowered {
+    pub(crate) prologue: Vec<Op>,
     pub(crate) coefficients: Vec<Coefficient>,
     pub(crate) orders: Vec<Order>,
     pub(crate) body: Vec<Op>,
@@ -79,9 +90,6 @@ pub struct Program {
     pub(crate) kept: Vec<Kept>,
     /// What drives numbers that stay the same between known instants.
     pub(crate) levels: Vec<Level>,
-    pub(crate) tables: Arc<Tables>,
-    /// When tables have corners: no step reaches across one.
-    pub(crate) corners: Arc<Corners>,
     /// The tables that are looked up at time itself.
     pub(crate) timetables: Vec<Timetable>,
     /// The element and the table of every curve that is looked up at a voltage.
@@ -108,6 +116,21 @@ pub struct Program {
     pub(crate) kernels: Kernels,
 }
 
+impl Deref for Program {
+    type Target = Lowered;
+
+    fn deref(&self) -> &Lowered {
+        &self.lowered
+    }
+}
+
+impl DerefMut for Program {
+    /// While it is made it is alone.
+    fn deref_mut(&mut self) -> &mut Lowered {
+        Arc::make_mut(&mut self.lowered)
+    }
+}
+
 /// The points of every table.
 pub(crate) type Tables = Vec<Vec<[f64; 2]>>;
 
@@ -123,10 +146,16 @@ pub(crate) struct Timetable {
 /// A parameter of the patch as the prologue reads it.
 #[derive(Debug, Clone)]
 pub struct ParameterSlot {
-    /// Its name.
-    pub name: String,
     /// Its value for this run, in SI.
     pub value: f64,
+    pub(crate) declared: Arc<Declared>,
+}
+
+/// What a patch says of a parameter, whatever its value.
+#[derive(Debug, Clone)]
+pub struct Declared {
+    /// Its name.
+    pub name: String,
     /// What its declared unit is in SI.
     pub per_unit: f64,
     /// Least and largest value allowed, in the declared unit.
@@ -134,6 +163,14 @@ pub struct ParameterSlot {
     /// Text of the declared unit.
     pub unit: String,
     pub(crate) dimension: Dimension,
+}
+
+impl Deref for ParameterSlot {
+    type Target = Declared;
+
+    fn deref(&self) -> &Declared {
+        &self.declared
+    }
 }
 
 /// An element's output.

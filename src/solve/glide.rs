@@ -59,10 +59,7 @@ impl Glider {
         }
         let program = machine.program;
         let folded = program.kernels.of(program, &machine.modes, &self.seen)?;
-        let mut frame = folded.kernel.frame();
-        if self.backend.may_be_native() {
-            frame = frame.with_rows(&folded.kernel);
-        }
+        let frame = folded.frame(self.backend);
         if self.flights.len() == MOST_FLIGHTS {
             self.flights.remove(0);
         }

@@ -47,6 +47,7 @@ fn what_is_wrong_with_an_effect_is_told_of_its_own_file() {
             "\"kind\": \"inverted\"",
             "this form cannot be wired: there is no kind \"inverted\"",
         ),
+        ("0.5 + 5000 * k3 * position^3 / sum / G", "2", "this form cannot be wired"),
         ("sum / position^3", "sum / positio^3", "measured in positio, which a form at \"motion\""),
         ("sum / position^3", "sum + position", "no product of powers"),
         ("[-1, -0.05, 0.3]", "[-1, 30]", "a fit begins at 30, outside the range -10 ... 10"),

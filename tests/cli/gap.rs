@@ -110,7 +110,15 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     let effects = folder.path().join("effects");
     std::fs::create_dir(&effects).unwrap();
     let bias = std::fs::read_to_string("patches/effects/constant-bias.json").unwrap();
-    let no_setting = bias.replace("0.5 + 0.005 * b / sum", "2");
+    // In a long record the setting leaves 0 ... 1.
+    let no_setting = bias.replace("0.5 + 0.005 * b / sum", "R / T / 2000");
+    let [one, other] = ["T", "R"].map(|name| {
+        let reach = if name == "T" { "sample" } else { "record" };
+        format!("\"{name}\": {{\"reach\": \"{reach}\", \"range\": [0.9, 1.1], \"start\": [1]}}")
+    });
+    let from = no_setting.find("\"b\": {").unwrap();
+    let to = from + no_setting[from..].find('}').unwrap();
+    let no_setting = format!("{}{one}, {other}{}", &no_setting[..from], &no_setting[to + 1..]);
     std::fs::write(effects.join("no-setting.json"), no_setting).unwrap();
     let told = patchcord(&[
         "gap",
@@ -151,11 +159,23 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     let curves = best["curves"].as_array().unwrap();
     let is_over_time = best["best_against"] == "time";
     let told_apart = page.matches("<tr").count() - page.matches("<tr>").count();
+    let more_than_chance = |own: &&Value| {
+        let strength = |of: &str| own[of]["correlation"].as_f64().unwrap().abs();
+        strength("itself").max(strength("size")) > own["chance"].as_f64().unwrap()
+    };
+    let correlated = report["correlations"].as_array().unwrap().iter().filter(more_than_chance).count();
     assert_eq!(
         told_apart,
-        3 - usize::from(is_over_time),
-        "the best effect, the best junction, the best curve"
+        3 - usize::from(is_over_time) + correlated,
+        "the best effect, the best junction, the best curve, what the residuals go with"
     );
+    let rounds = report["rounds"].as_array().unwrap();
+    assert_eq!(
+        (rounds.len(), &rounds[0]["best"], &rounds[0]["taken"]),
+        (1, &"saturation".into(), &true.into())
+    );
+    let white = |when: &str| report["gap"][when]["from_white"].as_f64().unwrap();
+    assert!(white("before") > 4.0 && white("after") < 4.0);
     let pictures = 8 + best["records"].as_array().unwrap().len() + curves.len();
     assert_eq!(page.matches("<svg class=\"picture\"").count(), pictures);
     assert!(!page.contains("NaN"));
@@ -198,6 +218,23 @@ fn nothing_of_the_experiment_is_written_over() {
         errors(&told)
     );
     assert_eq!(std::fs::read(at("separate.csv")).unwrap(), measured);
+    let table = r#""points": {"csv": "separate.csv", "x": "t", "y": "force"}"#;
+    let patch = std::fs::read_to_string("tests/gap/base.json").unwrap();
+    let own = r#""kind": "step", "scale": "force", "height": "gear * F_step""#;
+    assert!(patch.contains(own));
+    std::fs::write(
+        at("base.json"),
+        patch.replace(own, &format!(r#""kind": "table", "scale": "force", {table}"#)),
+    )
+    .unwrap();
+    std::fs::write(at("again.json"), experiment.replace("augmented.json", "base.json")).unwrap();
+    let told =
+        patchcord(&["gap", at("again.json").to_str().unwrap(), "--out", folder.path().to_str().unwrap()]);
+    assert!(
+        code(&told) == 2 && errors(&told).contains("separate.csv is a table of the patch itself"),
+        "{}",
+        errors(&told)
+    );
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! What the search says of a few of the experiments that benches/hidden makes: the truth lies beside them.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use patchcord::circuit::Circuit;
@@ -107,6 +108,26 @@ fn a_constant_inflow_is_named_at_its_tank() {
 #[test]
 fn a_disturbance_with_a_frequency_of_its_own_is_named() {
     named("periodic", "f", "f");
+}
+
+#[test]
+fn two_effects_are_named_at_their_places() {
+    let (_, problem, found, truth) = searched("pair", 2);
+    assert_eq!(found.verdict, Verdict::Named);
+    let document = found.document(&problem);
+    let places = |effects: &Value| -> BTreeSet<String> {
+        let all = effects.as_array().unwrap().iter();
+        all.map(|own| format!("{} {}", own["name"], own["junction"])).collect()
+    };
+    assert_eq!(places(&document["effects"]), places(&truth["effects"]));
+    assert_eq!(
+        document["rounds"].as_array().unwrap().iter().filter(|round| round["taken"] == true).count(),
+        2
+    );
+    let leak = document["effects"].as_array().unwrap().iter().find(|own| own["name"] == "leak").unwrap();
+    let wanted = truth["effects"][0]["parameters"]["g"]["value"].as_f64().unwrap();
+    assert!((leak["parameters"]["g"]["value"].as_f64().unwrap() / wanted - 1.0).abs() < 0.05, "{leak}");
+    assert!(!found.last.leaves_structure());
 }
 
 #[test]

@@ -89,7 +89,7 @@ const HEAD: &str = "\
 # Missing effects
 
 What a patch may lack, as fragments that can be wired into it: `patchcord effects` lists them, `patchcord effects NAME` tells
-of one. Each is a file in `patches/effects`; a folder of your own joins them with `--effects DIR`.
+of one. Each is a file in `patches/effects`; a folder of your own joins them with `--effects DIR` ([effect-format.md](effect-format.md)).
 
 A fragment attaches where the dimensions fit. `motion` is the input of an integrator that gives a velocity, `store` of one
 that gives something else, `sum` of either; `total` lies between all that drives an integrator and the integrator, once for each cord;

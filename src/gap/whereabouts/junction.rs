@@ -45,6 +45,26 @@ struct Drawn {
     beside: Point,
 }
 
+/// A curve over a quantity, or one for each direction, as the force over time asks for it.
+struct Over {
+    /// So many knots were asked for,
+    count: usize,
+    /// and these they are, with those about 0.
+    knots: Vec<f64>,
+    solved: Solved,
+}
+
+impl Over {
+    /// Value, force and standard error of the numbers from a place on.
+    fn points(&self, first: usize) -> Vec<[f64; 3]> {
+        let number = |(place, knot): (usize, &f64)| {
+            let variance = self.solved.covariance[(first + place, first + place)];
+            [*knot, self.solved.sought[first + place], variance.max(0.0).sqrt()]
+        };
+        self.knots.iter().enumerate().map(number).collect()
+    }
+}
+
 /// A curve wired in.
 struct Closed {
     patch: Patch,
@@ -220,36 +240,38 @@ impl At<'_> {
         time: &Found,
         forces: &[Vec<[f64; 2]>],
     ) -> Option<Drawn> {
-        let solve = |count, turns| {
-            let knots = variable.knots(count)?;
-            let shares = variable.shares(sought.shape, &knots, turns, &self.intervals());
-            let groups = vec![knots.len(); shares.ncols() / knots.len()];
-            Some((count, knots, time.products.over(&shares, groups).solved()?))
-        };
-        let curves = CURVE_KNOTS.into_iter().filter_map(|count| solve(count, false));
-        let likelier = |few: (usize, _, Solved), many: (usize, _, Solved)| {
-            if many.2.evidence > few.2.evidence + TELLING { many } else { few }
-        };
-        let (count, knots, one) = curves.reduce(likelier)?;
-        let points = |solved: &Solved, first: usize| -> Vec<[f64; 3]> {
-            let number = |(place, knot): (usize, &f64)| {
-                let variance = solved.covariance[(first + place, first + place)];
-                [*knot, solved.sought[first + place], variance.max(0.0).sqrt()]
-            };
-            knots.iter().enumerate().map(number).collect()
-        };
-        let two = solve(count, true).map(|(.., two)| two).filter(|two| two.evidence > one.evidence + TELLING);
+        let solved = |knots, turns| self.over(sought.shape, variable, time, knots, turns);
+        let [few, many] = CURVE_KNOTS;
+        let coarse = solved(few, false)?;
+        let fine = solved(many, false).filter(|fine| fine.solved.evidence > coarse.solved.evidence + TELLING);
+        let one = fine.unwrap_or(coarse);
+        let two = solved(one.count, true).filter(|two| two.solved.evidence > one.solved.evidence + TELLING);
         let curve = Curve {
             against: variable.name.clone(),
             unit: variable.unit.clone(),
-            points: points(&one, 0),
-            by_direction: two.map(|two| [points(&two, 0), points(&two, knots.len())]),
-            explains: self.explains(one.left),
-            evidence: one.evidence,
+            points: one.points(0),
+            by_direction: two.map(|two| [two.points(0), two.points(two.knots.len())]),
+            explains: self.explains(one.solved.left),
+            evidence: one.solved.evidence,
             held_out: None,
             scatter: self.scatter(variable, forces),
         };
-        Some(Drawn { curve, beside: sought.beside(time, &one) })
+        Some(Drawn { curve, beside: sought.beside(time, &one.solved) })
+    }
+
+    /// A force over time as a curve of about so many knots over a quantity, or as two where it turns.
+    fn over(
+        &self,
+        time: &Shape,
+        variable: &Variable,
+        found: &Found,
+        count: usize,
+        turns: bool,
+    ) -> Option<Over> {
+        let knots = variable.knots(count)?;
+        let shares = variable.shares(time, &knots, turns, &self.intervals());
+        let groups = vec![knots.len(); shares.ncols() / knots.len()];
+        Some(Over { count, solved: found.products.over(&shares, groups).solved()?, knots })
     }
 
     fn scatter(&self, variable: &Variable, forces: &[Vec<[f64; 2]>]) -> Vec<[f64; 2]> {

@@ -98,11 +98,17 @@ impl Problem {
 /// Junctions whose evidence differs by less cannot be told apart.
 const TOLD_APART: f64 = 10.0;
 
+/// The junctions that explain the gap best and cannot be told apart; `found` has the most likely one first.
+pub fn nearest(found: &[Whereabouts]) -> Vec<&str> {
+    let Some(best) = found.first() else { return Vec::new() };
+    let is_near = |own: &&Whereabouts| best.evidence - own.evidence < TOLD_APART;
+    found.iter().filter(is_near).map(|own| own.junction.as_str()).collect()
+}
+
 /// Where the gap is best explained, when, and by what force, in words; `found` has the most likely junction first.
 pub fn sentence(found: &[Whereabouts]) -> Option<String> {
     let best = found.first()?;
-    let is_near = |own: &&Whereabouts| best.evidence - own.evidence < TOLD_APART;
-    let near: Vec<&str> = found.iter().filter(is_near).map(|own| own.junction.as_str()).collect();
+    let near = nearest(found);
     let apart = if near.len() > 1 { ", which these data cannot tell apart" } else { "" };
     let against = match best.best_against() {
         "time" => "that goes with time alone".to_owned(),

@@ -3,6 +3,7 @@
 
 use crate::gap::fit::{NUDGE, Point, Task, nudged};
 use crate::gap::model::{Choice, Course, Table};
+use crate::spare;
 use nalgebra::{DMatrix, DVector};
 
 use super::evidence::{Known, Likeness, Products, Solved};
@@ -94,6 +95,8 @@ pub struct Found {
     about: DVector<f64>,
 }
 
+/// The responses of so many records are worked out at once.
+const AT_ONCE: usize = 8;
 /// So often the response is worked out at most.
 const MOST_ROUNDS: usize = 5;
 /// What is left is as was foreseen, to this share.
@@ -212,7 +215,7 @@ impl Sought<'_> {
             let lane = self.lane(record, &standing.at, &standing.sought);
             self.task.model.run_tabled(record, self.table, &[lane]).pop()?
         };
-        let courses: Option<Vec<Course>> = (0..self.task.records.len()).map(course).collect();
+        let courses: Option<Vec<Course>> = spare::each(self.task.records.len(), course).into_iter().collect();
         Some(self.task.chi2(&standing.at, &courses?))
     }
 
@@ -228,8 +231,13 @@ impl Sought<'_> {
             weight: if self.is_offset(*index) { HARDLY } else { 1.0 / (self.near * self.near) },
         });
         let mut products = Products::new(known.collect(), self.shape.groups.clone(), self.without);
-        for record in 0..self.task.records.len() {
-            self.columns(record, standing, &free)?.iter().for_each(|rows| products.add(rows));
+        // A few records at a time: their columns take room.
+        for first in (0..self.task.records.len()).step_by(AT_ONCE) {
+            let some = first..self.task.records.len().min(first + AT_ONCE);
+            let columns = spare::each(some.len(), |place| self.columns(first + place, standing, &free));
+            for columns in columns {
+                columns?.iter().for_each(|rows| products.add(rows));
+            }
         }
         Some(products)
     }
