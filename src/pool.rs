@@ -62,7 +62,7 @@ pub fn each<I: Sync, T: Send>(
 ) -> Vec<T> {
     let (count, mut results) = (items.len() as u64, Vec::with_capacity(items.len()));
     let work = |seat: &mut Seat, some: Range<u64>| {
-        seat.take();
+        let _seated = seat.take();
         some.map(|index| work(&items[index as usize])).collect()
     };
     let Ok(()) = in_order(

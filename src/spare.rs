@@ -1,7 +1,8 @@
-//! Threads that have run out of work, lent to whoever else of the same pool has several things to do: no core stands idle while
-//! the longest piece of work is finished. What comes out does not depend on it.
+//! Threads that have run out of work, lent to whoever else of the same pool begins several things: cores stand less idle while the
+//! longest pieces of work are finished. What comes out does not depend on it.
 
 use std::cell::RefCell;
+use std::mem;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -22,9 +23,26 @@ impl Seat {
         (0..count).map(|_| Seat(spare.clone())).collect()
     }
 
-    /// Sits down: this thread may ask those for help that have left.
-    pub fn take(&self) {
-        SPARE.with_borrow_mut(|own| own.clone_from(&self.0));
+    /// Sits down, until what is given back goes: this thread may ask those for help that have left.
+    pub fn take(&self) -> Seated {
+        Seated::with(self.0.clone())
+    }
+}
+
+/// A thread that others may help; afterwards those may that could before.
+pub(crate) struct Seated {
+    before: Arc<AtomicUsize>,
+}
+
+impl Seated {
+    fn with(spare: Arc<AtomicUsize>) -> Seated {
+        Seated { before: SPARE.replace(spare) }
+    }
+}
+
+impl Drop for Seated {
+    fn drop(&mut self) {
+        SPARE.set(mem::take(&mut self.before));
     }
 }
 
@@ -36,11 +54,8 @@ impl Drop for Seat {
 
 /// Does some work with so many threads at hand, this one among them.
 pub fn with_threads<T>(threads: usize, work: impl FnOnce() -> T) -> T {
-    let spare = Arc::new(AtomicUsize::new(threads.saturating_sub(1)));
-    let before = SPARE.replace(spare);
-    let done = work();
-    SPARE.set(before);
-    done
+    let _seated = Seated::with(Arc::new(AtomicUsize::new(threads.saturating_sub(1))));
+    work()
 }
 
 /// Threads that were lent, until they are given back.
@@ -72,6 +87,18 @@ pub fn each<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     match lent.count {
         0 => (0..count).map(work).collect(),
         helping => pool::each(&(0..count).collect::<Vec<_>>(), 1 + helping, |number| work(*number), |_| ()),
+    }
+}
+
+/// The same, so many numbers at a time, each result taken in order before more is worked out than these.
+pub fn each_of<T: Send>(
+    count: usize,
+    at_once: usize,
+    work: impl Fn(usize) -> T + Sync,
+    mut take: impl FnMut(T),
+) {
+    for first in (0..count).step_by(at_once.max(1)) {
+        each(at_once.min(count - first), |place| work(first + place)).into_iter().for_each(&mut take);
     }
 }
 

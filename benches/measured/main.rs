@@ -22,8 +22,8 @@ const PAGE: &str = "docs/measured.md";
 const HEADING: &str = "## What the search says of them\n";
 const INTRO: &str = "
 From `cargo bench --bench measured`. Of a slide it tells the error in velocity, of the tanks the rms of what is left: of the
-data it was fitted to, and of the test. *Rejected* are laws that others have proposed for them, with what they leave at best in
-place of what was named first.
+data it was fitted to, and of the test. *Rejected* are laws that others have proposed for them, with what they leave
+in place of what was named first.
 
 | experiment | what is said | as fitted | before | after | rejected | time |
 |---|---|---|---|---|---|---|

@@ -8,11 +8,9 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use super::files::{check_not, prepare, put, unwritable};
-use patchcord::gap::Experiment;
 use patchcord::gap::model::ModelError;
 use patchcord::gap::page::{self, Told};
-use patchcord::gap::provenance::table_files;
-use patchcord::gap::separate::Separating;
+use patchcord::gap::{Experiment, table_files};
 use patchcord::patch::Patch;
 
 const AUGMENTED: &str = "augmented.json";
@@ -61,7 +59,8 @@ impl<'f> Folder<'f> {
         let augmented = patch(AUGMENTED, outcome.augmented(experiment, &name(AUGMENTED)))?;
         let fitted = patch(FITTED, outcome.fitted(experiment, &name(FITTED)).map(Some))?;
         let recovered = patch(RECOVERED, outcome.recovered(experiment, &name(RECOVERED)))?;
-        let separate = left(SEPARATE, outcome.separating.as_ref().map(Separating::csv).as_deref())?;
+        let separate = outcome.separating.as_ref().map(|own| own.csv(&experiment.outputs));
+        let separate = left(SEPARATE, separate.as_deref())?;
         if separate.is_some() {
             document["separate"]["data"] = separate.into();
         }

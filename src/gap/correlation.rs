@@ -2,9 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::model::ModelError;
+use super::model::{Course, ModelError};
 use super::score::lags;
 use super::stage::{Problem, Stage};
+use crate::spare;
 
 /// How a residual goes with a quantity.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +18,7 @@ pub struct Correlation {
     pub own: Lagged,
     /// The same with its size, whatever its sign.
     pub size: Lagged,
-    /// What chance brings at one lag in 95 of 100 cases: twice the root of the samples that the residual remembers over all samples.
+    /// What chance brings at most in 95 of 100 cases, at the lag where it brings most.
     pub chance: f64,
 }
 
@@ -46,39 +47,48 @@ impl Correlation {
 }
 
 impl Problem {
-    /// How what a stage leaves in training goes with every drive and signal, for every output the strongest first.
+    /// How what a stage leaves in training goes with every drive and signal, for every output the strongest first; records
+    /// beside which not all of these can be followed are left out.
     ///
     /// # Errors
     /// When the patch cannot be run beside the records.
     pub fn correlations(&self, stage: &Stage) -> Result<Vec<Correlation>, ModelError> {
         let (names, courses) = self.courses(stage)?;
-        let of_pair = |output: usize, quantity: usize| {
-            let pairs = stage.train.residuals.iter().zip(&courses);
-            let tracks: Vec<Tracks<'_>> = pairs
-                .zip(&self.train)
-                .map(|((left, course), record)| Tracks {
-                    left: &left[output],
-                    with: course[quantity].clone(),
-                    interval: record.interval,
-                })
-                .collect();
-            let sizes = tracks.iter().map(|own| own.of(|value| value.abs())).collect::<Vec<_>>();
+        let pairs: Vec<(usize, usize)> = (0..self.outputs.len())
+            .flat_map(|output| (0..names.len()).map(move |quantity| (output, quantity)))
+            .collect();
+        let mut all = spare::each(pairs.len(), |place| {
+            let (output, quantity) = pairs[place];
+            let tracks = self.tracks(stage, &courses, output, quantity);
+            let sizes: Vec<Tracks<'_>> = tracks.iter().map(|own| own.of(f64::abs)).collect();
             let samples = tracks.iter().flat_map(|own| own.left).filter(|own| !own.is_nan()).count();
-            Correlation {
+            let correlation = Correlation {
                 output: self.outputs[output].clone(),
                 with: names[quantity].clone(),
                 own: strongest(&tracks),
                 size: strongest(&sizes),
-                chance: 2.0 * (stage.memory / samples.max(1) as f64).sqrt(),
-            }
-        };
-        let of_output = |output: usize| {
-            let mut all: Vec<Correlation> =
-                (0..names.len()).map(|quantity| of_pair(output, quantity)).collect();
-            all.sort_by(|a, b| b.strongest().total_cmp(&a.strongest()));
-            all
-        };
-        Ok((0..self.outputs.len()).flat_map(of_output).collect())
+                chance: chance(lags_of(&tracks).len(), stage.memory, samples),
+            };
+            (output, correlation)
+        });
+        all.sort_by(|(one, a), (other, b)| one.cmp(other).then(b.strongest().total_cmp(&a.strongest())));
+        Ok(all.into_iter().map(|(_, own)| own).collect())
+    }
+
+    /// What is left of an output beside a quantity, by record.
+    fn tracks<'s>(
+        &self,
+        stage: &'s Stage,
+        courses: &[Course],
+        output: usize,
+        quantity: usize,
+    ) -> Vec<Tracks<'s>> {
+        let pairs = stage.train.residuals.iter().zip(courses).zip(&self.train);
+        let tracks = pairs.filter_map(|((left, course), record)| {
+            let with = course.get(quantity)?.clone();
+            Some(Tracks { left: &left[output], with, interval: record.interval })
+        });
+        tracks.collect()
     }
 }
 
@@ -94,24 +104,53 @@ impl Tracks<'_> {
         Tracks { with: self.with.iter().map(|value| what(*value)).collect(), ..*self }
     }
 
-    /// What is left beside the quantity so many samples before.
-    fn pairs(&self, lag: usize) -> impl Iterator<Item = (f64, f64)> + '_ {
-        let pairs = self.left.iter().skip(lag).zip(&self.with);
+    /// What is left beside the quantity so many seconds before.
+    fn pairs(&self, lag: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let pairs = self.left.iter().skip((lag / self.interval).round() as usize).zip(&self.with);
         pairs.map(|(left, with)| (*left, *with)).filter(|(left, with)| left.is_finite() && with.is_finite())
     }
 }
 
-/// The strongest correlation, over all lags up to those that are looked at for colour.
+/// So many lags are looked at, at most.
+const MOST_LAGS: usize = 64;
+
+/// The lags that are looked at, in seconds: evenly over those of the longest record that are looked at for colour.
+fn lags_of(tracks: &[Tracks<'_>]) -> Vec<f64> {
+    let Some(longest) = tracks.iter().max_by_key(|own| own.left.len()) else { return Vec::new() };
+    let last = lags(longest.left.len());
+    (0..=last).step_by(last.div_ceil(MOST_LAGS).max(1)).map(|lag| lag as f64 * longest.interval).collect()
+}
+
+/// The largest correlation that chance brings in 95 of 100 cases, with a quantity and its size at so many lags, where so many
+/// samples remember so long.
+fn chance(lags: usize, memory: f64, samples: usize) -> f64 {
+    let tried = (2.0 * lags as f64).max(1.0);
+    deviations(MISSED / tried) * (memory / samples.max(1) as f64).sqrt()
+}
+
+/// So often chance brings more.
+const MISSED: f64 = 0.05;
+
+/// Beyond how many standard deviations, to either side, so small a share of normal numbers lies.
+fn deviations(share: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 40.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        let is_beyond = libm::erfc(middle / std::f64::consts::SQRT_2) > share;
+        *(if is_beyond { &mut low } else { &mut high }) = middle;
+    }
+    high
+}
+
+/// The strongest correlation over all lags.
 fn strongest(tracks: &[Tracks<'_>]) -> Lagged {
-    let longest = tracks.iter().map(|own| own.left.len()).max().unwrap_or_default();
-    let interval = tracks.first().map_or(0.0, |own| own.interval);
-    let at = |lag: usize| Lagged { value: correlation(tracks, lag), lag: lag as f64 * interval };
+    let at = |lag: f64| Lagged { value: correlation(tracks, lag), lag };
     let stronger = |best: Lagged, own: Lagged| if own.value.abs() > best.value.abs() { own } else { best };
-    (0..=lags(longest)).map(at).reduce(stronger).unwrap_or(Lagged { value: 0.0, lag: 0.0 })
+    lags_of(tracks).into_iter().map(at).reduce(stronger).unwrap_or(Lagged { value: 0.0, lag: 0.0 })
 }
 
 /// The correlation over all records, 0 where either stands still.
-fn correlation(tracks: &[Tracks<'_>], lag: usize) -> f64 {
+fn correlation(tracks: &[Tracks<'_>], lag: f64) -> f64 {
     let pairs = || tracks.iter().flat_map(move |own| own.pairs(lag));
     let (count, sums) =
         pairs().fold((0.0, [0.0; 2]), |(count, [left, with]), (a, b)| (count + 1.0, [left + a, with + b]));
@@ -141,6 +180,14 @@ mod tests {
                 (found.value - gain.signum()).abs() < 1e-9 && (found.lag - 0.1 * lag as f64).abs() < 1e-12
             );
         }
+        assert!((deviations(0.05) - 1.959_964).abs() < 1e-6);
+        // Records with other intervals have their own lags.
+        let (left, slow) = (late(6, 1.0), late(3, 1.0));
+        let tracks = [(&left, 0.1), (&slow, 0.2)];
+        let tracks = tracks.map(|(left, interval)| Tracks { left, with: with.clone(), interval });
+        let found = strongest(&tracks);
+        assert!((found.value - 1.0).abs() < 1e-9 && (found.lag - 0.6).abs() < 1e-12, "{found:?}");
+        assert_eq!(strongest(&[]).value, 0.0);
         let still = Tracks { left: &with, with: vec![1.0; 600], interval: 0.1 };
         assert_eq!(strongest(&[still]).value, 0.0);
     }
@@ -150,7 +197,7 @@ mod tests {
         let with: Vec<f64> = (0..900).map(|k| (0.0698131700797732 * f64::from(k)).sin()).collect();
         let left: Vec<f64> = with.iter().map(|value| value.abs()).collect();
         let tracks = Tracks { left: &left, with, interval: 0.1 };
-        assert!(correlation(&[tracks.of(f64::abs)], 0) > 0.999_999);
-        assert!(correlation(&[tracks], 0).abs() < 0.01);
+        assert!(correlation(&[tracks.of(f64::abs)], 0.0) > 0.999_999);
+        assert!(correlation(&[tracks], 0.0).abs() < 0.01);
     }
 }

@@ -116,6 +116,8 @@ const FIRST_ROUNDS: usize = 4;
 const SETTLED: f64 = 0.01;
 /// Where fits end unless a task says otherwise.
 pub const SETTLED_SHARE: f64 = 1e-6;
+/// The derivatives of so many records are worked out before they are gathered: they take room.
+pub(super) const AT_ONCE: usize = 8;
 /// By this share of its range a coordinate is moved for a derivative.
 pub(super) const NUDGE: f64 = 1e-6;
 /// A coordinate that would change the squares by less than this, all its way, is left where it is.
@@ -323,10 +325,10 @@ impl Task<'_> {
     /// The derivatives of every residual, gathered into normal matrix and gradient.
     fn normal(&self, at: &DVector<f64>, courses: &[Course]) -> Normal {
         let (mut normal, nudges) = (Normal::empty(at.len()), self.nudges(at));
-        let told = spare::each(courses.len(), |record| self.told_by(at, record, &courses[record], &nudges));
-        for outputs in told {
+        let told = |record: usize| self.told_by(at, record, &courses[record], &nudges);
+        spare::each_of(courses.len(), AT_ONCE, told, |outputs| {
             outputs.iter().for_each(|(columns, residual)| normal.add(columns, residual));
-        }
+        });
         normal
     }
 

@@ -35,7 +35,7 @@ pub(super) fn check(file: &str, text: &str, effect: &Effect) -> Result<(), Box<R
     for (number, form) in effect.forms.iter().enumerate() {
         let all = Attached::all(effect, &sites);
         let mut own = all.iter().filter(|attached| std::ptr::eq(attached.form, form));
-        let wrong = own.find_map(|attached| wired(attached, &patch).err());
+        let wrong = own.find_map(|attached| wired(attached, &patch).err().filter(|own| !is_of_numbers(own)));
         findings.extend(wrong.map(|error| finding(&error, spans.get(number).copied().unwrap_or_default())));
     }
     if findings.is_empty() { Ok(()) } else { Err(Box::new(Report::new(file, text, findings))) }
@@ -66,6 +66,13 @@ fn finding(error: &ModelError, span: Span) -> Diagnostic {
     let Some(first) = first else { return Diagnostic::at(Code::BadPatch, span, "this form cannot be wired") };
     Diagnostic::at(first.code, span, format!("this form cannot be wired: {}", first.message))
         .maybe_hint(first.hint.clone())
+}
+
+/// Whether a fault lies in the numbers of the trial, which say nothing of other patches.
+fn is_of_numbers(error: &ModelError) -> bool {
+    let (ModelError::Patch(report) | ModelError::Edit(EditError::Text(report))) = error else { return false };
+    let mut errors = report.findings.iter().filter(|finding| finding.code.severity() == Severity::Error);
+    errors.all(|finding| finding.code == Code::SettingOutside)
 }
 
 /// Where the elements of every form stand.

@@ -31,22 +31,15 @@ pub fn reach(formula: &Formula, largest: &[Largest]) -> Option<(f64, Unit)> {
     Some((value, Unit::of_product(parts)))
 }
 
-/// Whether a formula is a product of powers, whatever it names.
-pub fn is_product(formula: &Formula) -> bool {
-    is_product_of_powers(formula.root())
-}
+/// The names that a reach may have.
+pub const NAMES: [&str; 9] =
+    ["signal", "own", "sum", "position", "load", "force", "next", "sample", "record"];
 
-fn is_product_of_powers(node: &Node) -> bool {
-    match &node.expression {
-        Expression::Number(_) | Expression::Name(_) => true,
-        Expression::Binary(Operator::Multiply | Operator::Divide, left, right) => {
-            is_product_of_powers(left) && is_product_of_powers(right)
-        }
-        Expression::Binary(Operator::Power, base, exponent) => {
-            is_product_of_powers(base) && matches!(exponent.expression, Expression::Number(_))
-        }
-        _ => false,
-    }
+/// Whether a formula of these names is a product of powers.
+pub fn is_product(formula: &Formula) -> bool {
+    let unit = Unit::parse("1");
+    let one = |name| Some(Largest::of(name, unit.clone().ok()?, [0.0, 1.0]));
+    reach(formula, &NAMES.into_iter().filter_map(one).collect::<Vec<_>>()).is_some()
 }
 
 /// The value of a part raised to a power; what it names is noted with the powers.

@@ -96,8 +96,8 @@ impl Outcome {
             let both = both.map(Trial::named).collect::<Vec<_>>().join(" or ");
             match round.tied {
                 0..=2 => both,
-                3 => format!("{both} (or one more, see below)"),
-                tied => format!("{both} (or one of {} more, see below)", tied - 2),
+                3 => format!("{both} (or one more)"),
+                tied => format!("{both} (or one of {} more)", tied - 2),
             }
         };
         let effects: Vec<String> = taken.map(told).collect();
@@ -141,7 +141,7 @@ impl Outcome {
     fn left_over(&self) -> String {
         let share = number(100.0 * self.left);
         match self.leaves_much() {
-            true => format!("; or something like it: {share} % of the gap is left, which is no noise"),
+            true => format!("; {share} % of the gap is left, which is no noise: the law may be another"),
             false => String::new(),
         }
     }

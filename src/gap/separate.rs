@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 
 use super::directions::{clear, orthonormal, product};
-use super::experiment::Feed;
+use super::experiment::{Feed, Output};
 use super::fit::{Point, Task, stacked};
 use super::model::{Choice, Course, Model, ModelError};
 use super::record::Record;
@@ -154,16 +154,22 @@ impl Separating {
         })
     }
 
-    /// The experiment as a table: time, drives, and every output as either effect predicts it.
-    pub fn csv(&self) -> String {
+    /// The experiment as a table: time, drives, and every output as either effect predicts it, in the units of the experiment's
+    /// outputs.
+    pub fn csv(&self, outputs: &[Output]) -> String {
         let mut text =
             format!("# drives that tell {} from {}, and what either predicts\n", self.from[0], self.from[1]);
-        let drives = self.feeds.iter().map(|feed| feed.drive.clone());
-        let predicted = self
-            .from
-            .iter()
-            .flat_map(|from| self.outputs.iter().map(move |output| format!("{output} with {from}")));
-        let names: Vec<String> = ["t".to_owned()].into_iter().chain(drives).chain(predicted).collect();
+        let drives = self.feeds.iter().map(|feed| (feed.drive.clone(), feed.unit.text()));
+        let unit =
+            |name: &String| outputs.iter().find(|own| own.signal == *name).map_or("V", |own| own.unit.text());
+        let predicted = self.from.iter().flat_map(|from| {
+            self.outputs.iter().map(move |output| (format!("{output} with {from}"), unit(output)))
+        });
+        let columns: Vec<_> = [("t".to_owned(), "s")].into_iter().chain(drives).chain(predicted).collect();
+        for (name, unit) in &columns {
+            let _ = writeln!(text, "# {name}: {unit}");
+        }
+        let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
         let _ = writeln!(text, "{}", names.join(","));
         for sample in 0..self.record.len() {
             let tracks = self.record.drives.iter().chain(self.predictions.iter().flatten());

@@ -125,7 +125,7 @@ impl Deref for Program {
 }
 
 impl DerefMut for Program {
-    /// While it is made it is alone.
+    /// While a program is made it is alone; a copy would part with all that it shares here.
     fn deref_mut(&mut self) -> &mut Lowered {
         Arc::make_mut(&mut self.lowered)
     }

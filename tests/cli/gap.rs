@@ -110,7 +110,7 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     let effects = folder.path().join("effects");
     std::fs::create_dir(&effects).unwrap();
     let bias = std::fs::read_to_string("patches/effects/constant-bias.json").unwrap();
-    // In a long record the setting leaves 0 ... 1.
+    // In records as long as these the setting leaves 0 ... 1.
     let no_setting = bias.replace("0.5 + 0.005 * b / sum", "R / T / 2000");
     let [one, other] = ["T", "R"].map(|name| {
         let reach = if name == "T" { "sample" } else { "record" };

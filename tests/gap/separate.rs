@@ -1,6 +1,7 @@
 //! The experiment that tells two effects apart: where data cannot, data that it makes do.
 
 use patchcord::circuit::Circuit;
+use patchcord::gap::Experiment;
 use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::patch::{Edit, Patch};
 use patchcord::program::Program;
@@ -35,11 +36,12 @@ fn late(forces: &[f64]) -> Vec<f64> {
 }
 
 /// What the search makes of a drive that comes late.
-fn searched(forces: &[f64]) -> Outcome {
+fn searched(forces: &[f64]) -> (Experiment, Outcome) {
     let (experiment, problem) = measured(forces, &late(forces));
     let library = library(&["actuator-lag", "time-delay", "constant-bias"]);
     let with = Means { library: &library, threads: 2, seed: 1 };
-    problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap()
+    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    (experiment, found)
 }
 
 #[test]
@@ -48,7 +50,7 @@ fn what_slow_drives_cannot_tell_the_experiment_does() {
         .map(|sample| INTERVAL * f64::from(sample))
         .map(|time| 20.0 * (2.0 * time).sin() + 10.0 * (3.3 * time).sin())
         .collect();
-    let found = searched(&slow);
+    let (experiment, found) = searched(&slow);
     assert_eq!(found.verdict, Verdict::Ambiguous, "{}", found.sentence());
     let separating = found.separating.as_ref().unwrap();
     assert!(separating.tells(), "{}", separating.document());
@@ -56,15 +58,18 @@ fn what_slow_drives_cannot_tell_the_experiment_does() {
     both.sort();
     assert_eq!(both, ["actuator-lag at F", "time-delay at F"]);
     assert!(found.sentence().contains("these data cannot tell; "), "{}", found.sentence());
-    // A line of what it is, a line of names, and one for every sample: time, drive, what either predicts.
-    let csv = separating.csv();
+    // A line of what it is, the units, a line of names, and one for every sample: time, drive, what either predicts.
+    let csv = separating.csv(&experiment.outputs);
+    let units: Vec<&str> =
+        csv.lines().skip(1).take(4).map(|line| line.rsplit(": ").next().unwrap()).collect();
+    assert_eq!(units, ["s", "N", "m", "m"], "{csv}");
     let rows: Vec<Vec<f64>> =
-        csv.lines().skip(2).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+        csv.lines().skip(6).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
     assert!(rows.len() == 1200 && rows.iter().all(|row| row.len() == 4));
     // The drive made twice: once to train, once to test.
     let once = rows.iter().map(|row| row[1]);
     let forces: Vec<f64> = once.clone().chain(once).collect();
-    let told = searched(&forces);
+    let (_, told) = searched(&forces);
     assert_eq!(told.verdict, Verdict::Named, "{}", told.sentence());
     assert_eq!(told.rounds[0].trials[0].candidate.effect, "time-delay");
     assert!(told.separating.is_none());

@@ -7,6 +7,7 @@ mod read;
 use indexmap::IndexMap;
 use serde_json::{Map, Value};
 
+use super::reach::NAMES;
 use crate::patch::{Formula, Unit};
 
 pub use library::{EffectError, Library};
@@ -53,22 +54,47 @@ pub struct EffectParameter {
 impl Form {
     /// The names of what is largest where it attaches, in which its parameters may be measured.
     pub fn measures(&self) -> Vec<&'static str> {
-        let is_cord = matches!(self.at, Attachment::Drive | Attachment::Level);
-        let has = |reads| self.reads.contains(&reads);
+        let (is_cord, is_beside) = (self.at.is_cord(), self.at.is_beside());
+        let has = |reads| is_beside && self.reads.contains(&reads);
         let has_load = has(Reads::Load) || has(Reads::Force);
-        let gives_on = self.gives.iter().any(|(gives, _)| *gives == Gives::AddToNext);
-        let all = [
-            ("signal", true),
-            ("own", !is_cord),
-            ("sum", !is_cord),
-            ("position", has(Reads::Position)),
-            ("load", has_load),
-            ("force", has_load),
-            ("next", gives_on),
-            ("sample", true),
-            ("record", true),
-        ];
-        all.into_iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name).collect()
+        let gives_on = is_beside && self.gives.iter().any(|(gives, _)| *gives == Gives::AddToNext);
+        let has = |name: &str| match name {
+            "own" | "sum" => !is_cord,
+            "position" => has(Reads::Position),
+            "load" | "force" => has_load,
+            "next" => gives_on,
+            _ => true,
+        };
+        NAMES.into_iter().filter(|name| has(name)).collect()
+    }
+}
+
+impl Attachment {
+    /// Whether it lies in the cords of an output.
+    fn is_cord(self) -> bool {
+        matches!(self, Attachment::Drive | Attachment::Level)
+    }
+
+    /// Whether a fragment adds to what drives an integrator.
+    fn is_beside(self) -> bool {
+        matches!(self, Attachment::Motion | Attachment::Store | Attachment::Sum)
+    }
+
+    /// What a fragment there may read.
+    pub fn reads(self) -> &'static [Reads] {
+        match self {
+            Attachment::Drive | Attachment::Level => &[Reads::In],
+            Attachment::Total => &[Reads::In, Reads::Own],
+            _ => &[Reads::Own, Reads::Position, Reads::Load, Reads::Force],
+        }
+    }
+
+    /// What its elements may be wired to.
+    pub fn gives(self) -> &'static [Gives] {
+        match self.is_beside() {
+            true => &[Gives::Add, Gives::Subtract, Gives::Brake, Gives::AddToNext],
+            false => &[Gives::Out],
+        }
     }
 }
 

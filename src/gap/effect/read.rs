@@ -6,8 +6,8 @@ use indexmap::IndexMap;
 use serde_json::{Map, Value};
 
 use super::{Attachment, Effect, EffectParameter, Form, Gives, Reads, Start};
-use crate::gap::reach::is_product;
-use crate::patch::fields::{Fields, Findings, list, number, word, words};
+use crate::gap::reach::{NAMES, is_product};
+use crate::patch::fields::{Fields, Findings, list, number, word, words, wrong_type};
 use crate::patch::tree::{self, Content, Node};
 use crate::patch::{Code, Diagnostic, Formula, Placed, Report, Span, formula_at, suggestion, unit_of};
 
@@ -60,6 +60,10 @@ fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> 
     });
     let forms = fields.need("forms", "the ways to wire it: a list of one or more");
     let nodes = forms.and_then(|node| list(node, "forms", findings)).unwrap_or_default();
+    if let Some(none) = forms.filter(|_| nodes.is_empty()) {
+        let message = "an effect without forms cannot be wired";
+        findings.push(Diagnostic::at(Code::MissingKey, none.span, message));
+    }
     let forms = nodes.iter().filter_map(|node| form(node, &parameters, findings)).collect();
     let parameters = parameters.into_iter().map(|(name, own)| (name, own.value)).collect();
     fields.finish(findings);
@@ -83,10 +87,16 @@ fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<Placed<
     let description = fields.text("description", findings);
     fields.finish(findings);
     let Placed { value: reach, span } = reach?;
-    if !is_product(&reach) {
+    let is_known = reach.names().iter().all(|name| NAMES.contains(name));
+    if is_known && !is_product(&reach) {
         let message = format!("{} is no product of powers of what is largest", reach.text());
         let hint = "write it like \"sum / own^2\"";
         findings.push(Diagnostic::at(Code::BadNumber, span, message).hint(hint));
+    }
+    if matches!(start, Some(Start::Highest | Start::Lowest)) && reach.names() != [reach.text()] {
+        let message =
+            format!("\"highest\" and \"lowest\" are those of one name, and the reach is {}", reach.text());
+        findings.push(Diagnostic::at(Code::BadNumber, span, message).hint("write the reach as that name"));
     }
     let value = EffectParameter { reach, range: range?, start: start?, none, description };
     Some(Placed { value, span })
@@ -107,20 +117,30 @@ fn pair(node: &Node, key: &str, findings: &mut Findings) -> Option<[f64; 2]> {
     }
 }
 
-/// A number, or the upper end of the range.
+/// A number within the range, or its upper end.
 fn none_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Option<f64> {
-    match &node.value {
+    let [low, high] = range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let none = match &node.value {
         Content::Text(text) if text == "upper" => range.map(|[_, high]| high),
         _ => number(node, "none", findings),
+    };
+    if let Some(value) = none.filter(|value| !(low..=high).contains(value)) {
+        let message = format!("there is no effect at {value}, outside the range {low} ... {high}");
+        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
     }
+    none
 }
 
 fn start_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Option<Start> {
     if let Content::Text(text) = &node.value {
         let known = Start::WORDS.iter().find(|(word, _)| word == text).map(|(_, start)| start.clone());
-        if known.is_some() {
-            return known;
+        if known.is_none() {
+            let words = Start::WORDS.map(|(word, _)| word);
+            let message = format!("\"{text}\" is none of {}, nor a list of values", words.join(", "));
+            let hint = suggestion(text, &words);
+            findings.push(Diagnostic::at(Code::UnknownName, node.span, message).maybe_hint(hint));
         }
+        return known;
     }
     let nodes = list(node, "start", findings)?;
     let values: Vec<f64> = nodes.iter().map(|node| number(node, "start", findings)).collect::<Option<_>>()?;
@@ -148,11 +168,13 @@ fn form(
     let at = at.and_then(|word| chosen(&word, Attachment::ALL, Attachment::word, findings));
     let signal = fields.take("signal").and_then(|node| unit_of(node, findings));
     let reads = fields.take("reads").map(|node| words(node, "reads", findings)).unwrap_or_default();
-    let reads = reads.iter().filter_map(|word| chosen(word, Reads::ALL, Reads::word, findings)).collect();
+    let allowed = at.map_or(Reads::ALL, Attachment::reads);
+    let reads = reads.iter().filter_map(|word| chosen(word, allowed, Reads::word, findings)).collect();
+    let allowed = at.map_or(Gives::ALL, Attachment::gives);
     let mut gives = Vec::new();
     fields.each("gives", findings, |entry, findings| {
         let role = Placed { value: entry.key.clone(), span: entry.key_span };
-        let role = chosen(&role, Gives::ALL, Gives::word, findings);
+        let role = chosen(&role, allowed, Gives::word, findings);
         let element = word(&entry.value, &entry.key, findings);
         gives.extend(role.zip(element).map(|(role, element)| (role, element.value)));
     });
@@ -160,9 +182,9 @@ fn form(
     let mut gains = IndexMap::new();
     fields.each("gains", findings, |entry, findings| {
         let read = formula_at(&entry.value, &entry.key, findings);
-        gains.extend(read.map(|read: Placed<Formula>| (entry.key.clone(), read.value)));
+        gains.extend(read.map(|read| (entry.key.clone(), read)));
     });
-    let [drives, elements] = ["drives", "elements"].map(|key| object(fields.take(key)));
+    let [drives, elements] = ["drives", "elements"].map(|key| entries(fields.take(key), key, findings));
     let free = fields.take("free").map(|node| words(node, "free", findings)).unwrap_or_default();
     let own = fields.take("parameters").map(|node| words(node, "parameters", findings));
     let names: Vec<&str> = parameters.keys().map(String::as_str).collect();
@@ -175,10 +197,27 @@ fn form(
     }
     let free = free.into_iter().filter(|name| is_inside(name, &elements, findings));
     let free = free.map(|name| name.value).collect();
+    let gains_told: Vec<Placed<Formula>> = gains.values().cloned().collect();
+    let gains = gains.into_iter().map(|(name, gain)| (name, gain.value)).collect();
     let form =
         Form { note, at: at?, signal, reads, gives, times, gains, drives, elements, free, parameters: own };
     check_measures(&form, parameters, findings);
+    check_gains(&form, &gains_told, findings);
     Some(form)
+}
+
+/// What a gain is worked out from has to be there where the form attaches.
+fn check_gains(form: &Form, gains: &[Placed<Formula>], findings: &mut Findings) {
+    let there = form.measures().into_iter().filter(|name| !["sample", "record"].contains(name));
+    let known: Vec<&str> =
+        there.chain(["time_scale"]).chain(form.parameters.iter().map(String::as_str)).collect();
+    for gain in gains {
+        for missing in gain.value.names().into_iter().filter(|named| !known.contains(named)) {
+            let message = format!("this gain is worked out from {missing}, which the form has not");
+            let hint = format!("there are {}", known.join(", "));
+            findings.push(Diagnostic::at(Code::UnknownName, gain.span, message).hint(hint));
+        }
+    }
 }
 
 /// What the parameters of a form are measured in has to be there where it attaches.
@@ -237,10 +276,18 @@ fn chosen<T: Copy>(
     found
 }
 
-/// An object as a value; what stands in it is judged where it is wired.
-fn object(node: Option<&Node>) -> Map<String, Value> {
-    match node.map(Node::to_value) {
-        Some(Value::Object(map)) => map,
+/// An object of objects as a value; what stands in these is judged where it is wired.
+fn entries(node: Option<&Node>, key: &str, findings: &mut Findings) -> Map<String, Value> {
+    let Some(node) = node else { return Map::new() };
+    let Content::Object(entries) = &node.value else {
+        findings.push(wrong_type(node, key, "an object", &node.value));
+        return Map::new();
+    };
+    for entry in entries.iter().filter(|entry| !matches!(entry.value.value, Content::Object(_))) {
+        findings.push(wrong_type(&entry.value, &entry.key, "an object with \"kind\"", &entry.value.value));
+    }
+    match node.to_value() {
+        Value::Object(map) => map,
         _ => Map::new(),
     }
 }

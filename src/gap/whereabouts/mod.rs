@@ -98,9 +98,10 @@ impl Problem {
 /// Junctions whose evidence differs by less cannot be told apart.
 const TOLD_APART: f64 = 10.0;
 
-/// The junctions that explain the gap best and cannot be told apart; `found` has the most likely one first.
+/// The junctions that explain the gap best and cannot be told apart, none where no force is likelier than none; `found` has the most
+/// likely one first.
 pub fn nearest(found: &[Whereabouts]) -> Vec<&str> {
-    let Some(best) = found.first() else { return Vec::new() };
+    let Some(best) = found.first().filter(|best| best.evidence > TOLD_APART) else { return Vec::new() };
     let is_near = |own: &&Whereabouts| best.evidence - own.evidence < TOLD_APART;
     found.iter().filter(is_near).map(|own| own.junction.as_str()).collect()
 }
@@ -109,6 +110,9 @@ pub fn nearest(found: &[Whereabouts]) -> Vec<&str> {
 pub fn sentence(found: &[Whereabouts]) -> Option<String> {
     let best = found.first()?;
     let near = nearest(found);
+    if near.is_empty() {
+        return Some("no force at any junction explains the gap".to_owned());
+    }
     let apart = if near.len() > 1 { ", which these data cannot tell apart" } else { "" };
     let against = match best.best_against() {
         "time" => "that goes with time alone".to_owned(),

@@ -1,7 +1,7 @@
 //! A force that nobody knows: wired to a junction as a table, and found by regularised least squares on what each of its numbers
 //! does to the outputs, beside knobs, initial voltages and offsets.
 
-use crate::gap::fit::{NUDGE, Point, Task, nudged};
+use crate::gap::fit::{AT_ONCE, NUDGE, Point, Task, nudged};
 use crate::gap::model::{Choice, Course, Table};
 use crate::spare;
 use nalgebra::{DMatrix, DVector};
@@ -95,8 +95,6 @@ pub struct Found {
     about: DVector<f64>,
 }
 
-/// The responses of so many records are worked out at once.
-const AT_ONCE: usize = 8;
 /// So often the response is worked out at most.
 const MOST_ROUNDS: usize = 5;
 /// What is left is as was foreseen, to this share.
@@ -231,15 +229,13 @@ impl Sought<'_> {
             weight: if self.is_offset(*index) { HARDLY } else { 1.0 / (self.near * self.near) },
         });
         let mut products = Products::new(known.collect(), self.shape.groups.clone(), self.without);
-        // A few records at a time: their columns take room.
-        for first in (0..self.task.records.len()).step_by(AT_ONCE) {
-            let some = first..self.task.records.len().min(first + AT_ONCE);
-            let columns = spare::each(some.len(), |place| self.columns(first + place, standing, &free));
-            for columns in columns {
-                columns?.iter().for_each(|rows| products.add(rows));
-            }
-        }
-        Some(products)
+        let mut is_whole = true;
+        let columns = |record: usize| self.columns(record, standing, &free);
+        spare::each_of(self.task.records.len(), AT_ONCE, columns, |columns| {
+            is_whole &= columns.is_some();
+            columns.iter().flatten().for_each(|rows| products.add(rows));
+        });
+        is_whole.then_some(products)
     }
 
     fn is_offset(&self, index: usize) -> bool {
