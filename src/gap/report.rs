@@ -42,9 +42,13 @@ impl Stage {
 const FAR_LESS: f64 = 0.5;
 
 impl Outcome {
-    /// What the reader should doubt, in sentences: ranges at whose end the patch stands, and more noise than there can be.
+    /// What the reader should doubt, in sentences: ranges at whose end the patch stands, more noise than there can be, and what the
+    /// experiment was warned of.
     pub fn doubts(&self, experiment: &Experiment) -> Vec<String> {
-        self.at_ends().into_iter().chain(self.noises(experiment)).collect()
+        let warnings = experiment.warnings.findings.iter();
+        let warned =
+            warnings.map(|own| format!("Of the experiment ({}): {}.", own.code.as_str(), own.message));
+        self.at_ends().into_iter().chain(self.noises(experiment)).chain(warned).collect()
     }
 
     /// Which parameters of the patch stand at an end of their ranges, where something seems to be missing: as it was, or beside

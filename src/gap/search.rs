@@ -147,10 +147,26 @@ impl Problem {
         progress: &mut impl FnMut(Progress),
     ) -> Result<Option<Outcome>, ModelError> {
         progress(Progress::of(Part::Base));
-        let Some(mut base) = self.base(patch, fit, with.seed)? else { return Ok(None) };
+        let Some(base) = self.base(patch, fit, with.seed)? else { return Ok(None) };
         if let Some(turned) = self.turned(&base, patch, fit, with.seed)? {
             return self.unjudged(base, Blind::Turned(turned), with.seed).map(Some);
         }
+        let (base, come, before_promise) = self.gone_through(base, with, progress)?;
+        let come = match before_promise {
+            None => self.settled(&base, come, true, with, progress)?,
+            Some(before) => self.settled(&base, come, false, with, progress)?.or(before),
+        };
+        self.judged(base, come, with, progress).map(Some)
+    }
+
+    /// Round after round, as long as something is taken: the patch as it was, which a trial may have shown to fit better, where that
+    /// leads, and where it had led before something was gone on from that is not confirmed.
+    fn gone_through(
+        &self,
+        mut base: Stage,
+        with: &Means<'_>,
+        progress: &mut impl FnMut(Progress),
+    ) -> Result<(Stage, Come, Option<Come>), ModelError> {
         let mut come = Come { rounds: Vec::new(), effects: Vec::new(), stage: base.clone() };
         let (mut bettered, mut before_promise) = (0, None);
         while come.rounds.len() < MOST_EFFECTS {
@@ -174,53 +190,54 @@ impl Problem {
                 break;
             }
         }
-        let Come { mut rounds, effects, stage } = match before_promise {
-            None => self.settled(&base, come, true, with, progress)?,
-            Some(before) => self.settled(&base, come, false, with, progress)?.or(before),
-        };
-        let stage = self.with_intervals(stage, base.version.fit.len(), with.threads)?;
-        let left = stage.gap() / base.gap();
-        let limits = match rounds.first() {
-            Some(round) => self.limits(round, with.threads)?,
-            None => Vec::new(),
-        };
+        Ok((base, come, before_promise))
+    }
+
+    /// What was found out by all that was tried.
+    fn judged(
+        &self,
+        base: Stage,
+        come: Come,
+        with: &Means<'_>,
+        progress: &mut impl FnMut(Progress),
+    ) -> Result<Outcome, ModelError> {
+        let Come { mut rounds, effects, stage } = come;
+        let last = self.with_intervals(stage, base.version.fit.len(), with.threads)?;
+        let left = last.gap() / base.gap();
+        let limits = rounds.first().map(|round| self.limits(round, with.threads)).transpose()?;
+        let limits = limits.unwrap_or_default();
         let blind = self.is_blind(&base, &rounds, &limits);
-        let mut verdict = self.verdict(&stage, &rounds, left, blind.is_some());
-        let whereabouts = match verdict {
-            Verdict::NothingMissing | Verdict::CannotJudge => Vec::new(),
-            _ => {
-                progress(Progress::of(Part::Where));
-                self.whereabouts(&base, with.threads)?
-            }
-        };
-        let is_doubtful = verdict.has_names() && leaves_much(&stage, left);
-        if is_doubtful && !is_sure(&base, &stage, &rounds) && is_a_curve(&whereabouts, left) {
+        let mut verdict = self.verdict(&last, &rounds, left, blind.is_some());
+        let mut whereabouts = Vec::new();
+        if !matches!(verdict, Verdict::NothingMissing | Verdict::CannotJudge) {
+            progress(Progress::of(Part::Where));
+            whereabouts = self.whereabouts(&base, with.threads)?;
+        }
+        let is_doubtful = verdict.has_names() && leaves_much(&last, left);
+        if is_doubtful && !is_sure(&base, &last, &rounds) && is_a_curve(&whereabouts, left) {
             verdict = Verdict::UnknownEffect;
         }
-        let blind = blind.filter(|_| verdict == Verdict::CannotJudge);
-        let separating = match verdict {
-            Verdict::Ambiguous => self.separating(&rounds)?,
-            _ => None,
-        };
+        let is_ambiguous = verdict == Verdict::Ambiguous;
+        let separating = if is_ambiguous { self.separating(&rounds)? } else { None };
         for round in &mut rounds {
             if let Some(rival) = round.rival_place() {
                 round.trials[rival].stage = self.with_errors(round.trials[rival].stage.clone())?;
             }
         }
-        Ok(Some(Outcome {
+        Ok(Outcome {
             verdict,
             agreement: self.agreement(&base, with.seed)?,
             correlations: self.correlations(&base)?,
             base: self.with_errors(base)?,
             rounds,
             effects,
-            last: stage,
+            last,
             left,
             whereabouts,
             limits,
-            blind,
+            blind: blind.filter(|_| verdict == Verdict::CannotJudge),
             separating,
-        }))
+        })
     }
 
     /// What comes of data that no effect is sought in.

@@ -20,6 +20,8 @@ fn effects_are_listed_and_told() {
 #[test]
 fn effects_of_a_folder_join_and_wrong_ones_are_told() {
     let folder = tempfile::tempdir().unwrap();
+    let empty = patchcord(&["effects", "--effects", folder.path().to_str().unwrap()]);
+    assert!(code(&empty) == 1 && errors(&empty).contains("there is no effect in "), "{}", errors(&empty));
     let own = std::fs::read_to_string("patches/effects/drift.json").unwrap();
     std::fs::write(folder.path().join("creep.json"), own).unwrap();
     let asked = ["effects", "creep", "--effects", folder.path().to_str().unwrap()];
@@ -51,6 +53,9 @@ fn what_is_wrong_with_an_effect_is_told_of_its_own_file() {
         ("10000 * abs(k3)", "10000 * abs(k4)", "worked out from k4, which the form has not"),
         ("\"none\": 0", "\"none\": 20", "no effect at 20, outside the range -10 ... 10"),
         ("[-1, -0.05, 0.3]", "\"hihgest\"", "\"hihgest\" is none of spectrum, highest, lowest"),
+        ("[-1, -0.05, 0.3]", "\"spectrum\"", "gives frequencies, and the reach is sum / position^3"),
+        ("\"at\": \"motion\",", "\"at\": \"motion\", \"times\": 0,", "a number of 1 ... 1000000"),
+        ("\"at\": \"motion\",", "\"at\": \"motoin\",", "motion"),
         ("[-1, -0.05, 0.3]", "\"highest\"", "those of one name, and the reach is sum / position^3"),
         ("{\"add\": \"B2\"}", "{\"out\": \"B2\"}", "\"out\" is none of add, subtract, brake, add_to_next"),
         ("[\"position\"]", "[\"in\"]", "\"in\" is none of own, position, load, force"),

@@ -31,6 +31,12 @@ pub enum EffectError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// There is none in a folder.
+    #[error("there is no effect in {folder}: effects are files whose names end in .json")]
+    None {
+        /// The folder.
+        folder: String,
+    },
     /// A file is no effect.
     #[error(transparent)]
     Text(#[from] Box<Report>),
@@ -61,6 +67,9 @@ impl Library {
         let files: Result<Vec<_>, _> = entries.map(|entry| entry.map(|entry| entry.path())).collect();
         let mut files = files.map_err(|source| refused(folder, source))?;
         files.retain(|file| file.extension().is_some_and(|ending| ending == "json"));
+        if files.is_empty() {
+            return Err(EffectError::None { folder: folder.display().to_string() });
+        }
         files.sort();
         for file in files {
             let text = std::fs::read_to_string(&file).map_err(|source| refused(&file, source))?;

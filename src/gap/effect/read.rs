@@ -53,8 +53,9 @@ fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> 
         let when = word(&entry.value, &entry.key, findings);
         aliases.extend(when.map(|when| (entry.key.clone(), when.value)));
     });
-    let mut parameters = IndexMap::new();
+    let (mut parameters, mut declared) = (IndexMap::new(), Vec::new());
     fields.each("parameters", findings, |entry, findings| {
+        declared.push(entry.key.as_str());
         let read = parameter(&entry.value, &entry.key, findings);
         parameters.extend(read.map(|read| (entry.key.clone(), read)));
     });
@@ -64,7 +65,7 @@ fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> 
         let message = "an effect without forms cannot be wired";
         findings.push(Diagnostic::at(Code::MissingKey, none.span, message));
     }
-    let forms = nodes.iter().filter_map(|node| form(node, &parameters, findings)).collect();
+    let forms = nodes.iter().filter_map(|node| form(node, &parameters, &declared, findings)).collect();
     let parameters = parameters.into_iter().map(|(name, own)| (name, own.value)).collect();
     fields.finish(findings);
     Some(Effect { name, title, law, physics, source, excitation, aliases, parameters, forms })
@@ -97,6 +98,11 @@ fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<Placed<
         let message =
             format!("\"highest\" and \"lowest\" are those of one name, and the reach is {}", reach.text());
         findings.push(Diagnostic::at(Code::BadNumber, span, message).hint("write the reach as that name"));
+    }
+    if start == Some(Start::Spectrum) && reach.names().iter().any(|name| !["sample", "record"].contains(name))
+    {
+        let message = format!("\"spectrum\" gives frequencies, and the reach is {}", reach.text());
+        findings.push(Diagnostic::at(Code::UnitMismatch, span, message).hint("measure it in \"1 / record\""));
     }
     let value = EffectParameter { reach, range: range?, start: start?, none, description };
     Some(Placed { value, span })
@@ -159,6 +165,7 @@ fn start_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Op
 fn form(
     node: &Node,
     parameters: &IndexMap<String, Placed<EffectParameter>>,
+    declared: &[&str],
     findings: &mut Findings,
 ) -> Option<Form> {
     let mut fields = Fields::of(node, "a form", findings)?;
@@ -178,7 +185,7 @@ fn form(
         let element = word(&entry.value, &entry.key, findings);
         gives.extend(role.zip(element).map(|(role, element)| (role, element.value)));
     });
-    let times = fields.take("times").and_then(|node| number(node, "times", findings)).unwrap_or(1.0);
+    let times = fields.take("times").and_then(|node| times_of(node, findings)).unwrap_or(1.0);
     let mut gains = IndexMap::new();
     fields.each("gains", findings, |entry, findings| {
         let read = formula_at(&entry.value, &entry.key, findings);
@@ -187,9 +194,8 @@ fn form(
     let [drives, elements] = ["drives", "elements"].map(|key| entries(fields.take(key), key, findings));
     let free = fields.take("free").map(|node| words(node, "free", findings)).unwrap_or_default();
     let own = fields.take("parameters").map(|node| words(node, "parameters", findings));
-    let names: Vec<&str> = parameters.keys().map(String::as_str).collect();
-    let own = own.map(|names_told| known(names_told, &names, findings));
-    let own = own.unwrap_or_else(|| parameters.keys().cloned().collect());
+    let own = own.map(|names| known(names, declared, findings));
+    let own = own.unwrap_or_else(|| declared.iter().map(|name| (*name).to_owned()).collect());
     fields.finish(findings);
     if gives.is_empty() || elements.is_empty() {
         let message = "a form needs \"elements\", and says in \"gives\" what they are wired to";
@@ -204,6 +210,18 @@ fn form(
     check_measures(&form, parameters, findings);
     check_gains(&form, &gains_told, findings);
     Some(form)
+}
+
+/// So many volts of the sum for a volt that a fragment gives, at most.
+const MOST_TIMES: f64 = 1e6;
+
+fn times_of(node: &Node, findings: &mut Findings) -> Option<f64> {
+    let value = number(node, "times", findings)?;
+    if !(1.0..=MOST_TIMES).contains(&value) {
+        let message = format!("\"times\" is a number of 1 ... {MOST_TIMES}, such as 1000, and not {value}");
+        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+    }
+    Some(value)
 }
 
 /// What a gain is worked out from has to be there where the form attaches.
@@ -271,7 +289,8 @@ fn chosen<T: Copy>(
     if found.is_none() {
         let words: Vec<_> = all.iter().map(|one| word(*one)).collect();
         let message = format!("\"{}\" is none of {}", text.value, words.join(", "));
-        findings.push(Diagnostic::at(Code::UnknownKey, text.span, message));
+        let hint = suggestion(&text.value, &words);
+        findings.push(Diagnostic::at(Code::UnknownName, text.span, message).maybe_hint(hint));
     }
     found
 }

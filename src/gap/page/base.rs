@@ -33,9 +33,13 @@ fn goes_with(found: &[Correlation]) -> String {
             vec![escaped(&own.output), escaped(&own.with), told(own.own), told(own.size), number(own.chance)];
         (own.strongest() > own.chance, cells)
     });
+    let stands_out = match found.iter().any(|own| own.strongest() > own.chance) {
+        true => "those that are more than chance stand out",
+        false => "none is more than chance",
+    };
     let headings = ["what is left of", "goes with", "itself", "its size", "by chance up to"];
     format!(
-        "<details><summary>What it leaves goes with, as correlations where they are strongest; those that are more than chance stand out</summary>\n{}</details>\n",
+        "<details><summary>What it leaves goes with, as correlations where they are strongest; {stands_out}</summary>\n{}</details>\n",
         table(&headings, rows)
     )
 }

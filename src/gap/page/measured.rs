@@ -38,7 +38,7 @@ fn looked_at(experiment: &Experiment) -> String {
         .flat_map(|record| columns(experiment, record).into_iter().map(move |column| (&record.name, column)));
     let rows = all.map(|(file, column)| {
         let is = &column.is;
-        let found = |value: Option<f64>| value.map_or("none".to_owned(), |value| number(value));
+        let found = |value: Option<f64>| value.map_or("none".to_owned(), number);
         let noise = is.noise.as_ref();
         let cells = vec![
             escaped(file),
