@@ -8,7 +8,7 @@ use super::model::ModelError;
 use super::reach::Largest;
 use super::site::Sites;
 use crate::circuit::Circuit;
-use crate::patch::tree::{self, Content, Node};
+use crate::patch::tree::{self, Content};
 use crate::patch::{Code, Diagnostic, EditError, Patch, Report, Severity, Span, Unit};
 use crate::program::Program;
 
@@ -30,10 +30,9 @@ pub(super) fn check(file: &str, text: &str, effect: &Effect) -> Result<(), Box<R
     let circuit = Circuit::new(&patch, &[])?;
     let drives: Vec<&str> = patch.drives.keys().map(String::as_str).collect();
     let sites = Sites::of(&circuit, &drives);
-    let spans = spans(text);
+    let (all, spans) = (Attached::all(effect, &sites), spans(text));
     let mut findings = Vec::new();
     for (number, form) in effect.forms.iter().enumerate() {
-        let all = Attached::all(effect, &sites);
         let mut own = all.iter().filter(|attached| std::ptr::eq(attached.form, form));
         let wrong = own.find_map(|attached| wired(attached, &patch).err().filter(|own| !is_of_numbers(own)));
         findings.extend(wrong.map(|error| finding(&error, spans.get(number).copied().unwrap_or_default())));
@@ -78,12 +77,7 @@ fn is_of_numbers(error: &ModelError) -> bool {
 /// Where the elements of every form stand.
 fn spans(text: &str) -> Vec<Span> {
     let root = tree::parse(text).ok();
-    let forms = root.as_ref().and_then(|root| child(root, "forms"));
+    let forms = root.as_ref().and_then(|root| root.child("forms"));
     let Some(Content::List(forms)) = forms.map(|node| &node.value) else { return Vec::new() };
-    forms.iter().map(|form| child(form, "elements").unwrap_or(form).span).collect()
-}
-
-fn child<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
-    let Content::Object(entries) = &node.value else { return None };
-    entries.iter().find(|entry| entry.key == key).map(|entry| &entry.value)
+    forms.iter().map(|form| form.child("elements").unwrap_or(form).span).collect()
 }

@@ -83,10 +83,10 @@ fn check_apart(edits: &[Edit]) -> Result<(), EditError> {
 fn piece(root: &Node, edit: &Edit, opened: &mut Vec<usize>) -> Result<Patchwork, EditError> {
     let nowhere = || EditError::NoPlace(edit.path.join("/"));
     let (last, before) = edit.path.split_last().ok_or_else(nowhere)?;
-    let object = before.iter().try_fold(root, |node, key| child(node, key)).ok_or_else(nowhere)?;
+    let object = before.iter().try_fold(root, |node, key| node.child(key)).ok_or_else(nowhere)?;
     let Content::Object(entries) = &object.value else { return Err(nowhere()) };
     let text = written(&edit.value);
-    if let Some(node) = child(object, last) {
+    if let Some(node) = object.child(last) {
         return Ok(Patchwork { start: node.span.start, end: node.span.end, text });
     }
     let text = format!("{}: {text}", Value::from(last.as_str()));
@@ -100,11 +100,6 @@ fn piece(root: &Node, edit: &Edit, opened: &mut Vec<usize>) -> Result<Patchwork,
     }
     opened.push(start);
     Ok(Patchwork { start, end, text })
-}
-
-fn child<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
-    let Content::Object(entries) = &node.value else { return None };
-    entries.iter().find(|entry| entry.key == key).map(|entry| &entry.value)
 }
 
 /// A value as a person writes it: on one line, a list of objects on a line each.

@@ -63,6 +63,12 @@ impl Node {
             }
         }
     }
+
+    /// What an object holds under a key.
+    pub fn child(&self, key: &str) -> Option<&Node> {
+        let Content::Object(entries) = &self.value else { return None };
+        entries.iter().find(|entry| entry.key == key).map(|entry| &entry.value)
+    }
 }
 
 /// Reads strict JSON.
