@@ -8,7 +8,7 @@ use patchcord::gap::effect::{Effect, Library};
 use patchcord::gap::graft::{Attached, Role};
 use patchcord::gap::reach::Largest;
 use patchcord::gap::site::Sites;
-use patchcord::patch::{Patch, Unit};
+use patchcord::patch::Patch;
 use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
 
@@ -61,13 +61,8 @@ fn sites(patch: &Patch) -> Sites {
 
 /// What is largest at a place, what 40 V stand for, and times.
 fn largest(attached: &Attached<'_>) -> Vec<Largest> {
-    let told = |(name, role): (&'static str, Role<'_>)| {
-        let end = 40.0 * role.per_volt();
-        Largest::of(name, role.unit().clone(), [-end, end])
-    };
-    let times = [("sample", 0.01), ("record", 3.0)];
-    let times = times.map(|(name, value)| Largest::of(name, Unit::parse("s").unwrap(), [0.0, value]));
-    attached.place.roles().into_iter().map(told).chain(times).collect()
+    let ends = |role: Role<'_>| Some([-40.0, 40.0].map(|volts| volts * role.per_volt()));
+    attached.place.largest(ends, [0.01, 3.0])
 }
 
 fn candidate(attached: &Attached<'_>, patch: &Patch) -> Candidate {

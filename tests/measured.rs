@@ -15,6 +15,8 @@ use std::path::{Path, PathBuf};
 use common::shipped;
 use equations::Equations;
 use patchcord::gap::Experiment;
+use patchcord::gap::search::{Means, Outcome, Verdict};
+use patchcord::gap::stage::Problem;
 use patchcord::patch::Patch;
 use patchcord::solve::{self, RunSettings};
 
@@ -199,6 +201,43 @@ fn experiments_read_the_data_where_they_are() {
         let samples: usize = read.train.iter().chain(&read.test).map(|record| record.len()).sum();
         assert!([24_841, 2 * 24_841, 2 * 1024].contains(&samples), "{}: {samples}", path.display());
     }
+}
+
+/// What a search among a few effects says, where the data are.
+fn searched(name: &str, effects: &[&str]) -> Option<(Experiment, Problem, Outcome)> {
+    let file = Path::new(FOLDER).join(format!("{name}.experiment.json"));
+    let Ok(experiment) = Experiment::read(&file) else {
+        eprintln!("{name} is not searched: its data are not in {FOLDER}/data");
+        return None;
+    };
+    let problem = Problem::of(&experiment).unwrap();
+    let with = Means { library: &common::library::of(effects), threads: 2, seed: 1 };
+    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    Some((experiment, problem, found))
+}
+
+#[test]
+fn friction_of_the_slide_differs_by_direction_and_does_not_fall() {
+    let effects = ["asymmetric-viscous-friction", "stribeck-friction", "saturation"];
+    let Some((experiment, _, found)) = searched("emps-friction", &effects) else { return };
+    let sentence = found.sentence();
+    assert!(sentence.starts_with("asymmetric-viscous-friction at IV is missing"), "{sentence}");
+    let stage = found.told();
+    let knobs = (stage.version.fit.as_slice(), stage.train.point.knobs.as_slice());
+    for (record, most) in [(&experiment.train[0], 0.016), (&experiment.test[0], 0.052)] {
+        let error = velocity::error(&experiment, &stage.version.patch, knobs, record).unwrap();
+        assert!(error < most, "{}: {error}", record.name);
+    }
+}
+
+#[test]
+#[ignore = "takes ten minutes: cargo test --test measured -- --ignored"]
+fn the_tanks_overflow_and_nothing_saturates() {
+    let Some((_, problem, found)) = searched("cascaded-tanks", &["overflow", "saturation"]) else { return };
+    assert_eq!(found.verdict, Verdict::Named);
+    assert!(found.effects.iter().all(|effect| effect.effect == "overflow"), "{}", found.sentence());
+    let error = found.told().test.over_noise() * problem.sigma[0];
+    assert!(error < 0.28, "{error} V");
 }
 
 /// Where the data are, the numbers that were fitted apart from the program come as near to the measured velocity as docs/measured.md tells.

@@ -55,7 +55,7 @@ impl Truth {
 }
 
 impl Hidden {
-    /// Builds the program and lets it make so many cases.
+    /// Builds the program, holds it against closed solutions, and lets it make so many cases.
     pub fn made(seed: u64, cases: usize) -> Outcome<Hidden> {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
         let folder = tempfile::tempdir()?;
@@ -63,6 +63,7 @@ impl Hidden {
         let sources = root.join("benches/hidden").read_dir()?.filter_map(|entry| Some(entry.ok()?.path()));
         let sources = sources.filter(|file| file.extension().is_some_and(|ending| ending == "c"));
         succeed(Command::new("cc").arg("-O2").args(sources).arg("-o").arg(&program).arg("-lm"))?;
+        succeed(Command::new(&program).arg("--self-test"))?;
         let mut make = Command::new(&program);
         make.arg("--seed").arg(seed.to_string()).arg("--cases").arg(cases.to_string());
         succeed(make.arg("--out").arg(folder.path()).arg("--patches").arg(root.join("tests/gap/systems")))?;
@@ -111,5 +112,6 @@ fn succeed(command: &mut Command) -> Outcome<()> {
     if output.status.success() {
         return Ok(());
     }
-    Err(format!("{command:?}: {}", String::from_utf8_lossy(&output.stderr)).into())
+    let told = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    Err(format!("{command:?}: {}{}", told[0], told[1]).into())
 }

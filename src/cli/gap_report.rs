@@ -68,9 +68,9 @@ fn place(found: &[Whereabouts]) -> String {
     text
 }
 
-/// The smallest of every effect that would have shown.
+/// The weakest of every effect that would have shown.
 fn limits(found: &[Limit]) -> String {
-    let mut table = Table::new(["effect", "at", "parameter", "would have shown from"]);
+    let mut table = Table::new(["effect", "at", "parameter", "the weakest that would have shown"]);
     for limit in best_places(found) {
         let from = limit.told().unwrap_or_else(|| "not at all".to_owned());
         table.row([limit.effect.clone(), limit.junction.clone(), limit.parameter.clone(), from]);

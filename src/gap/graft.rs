@@ -4,6 +4,7 @@ use indexmap::{IndexMap, IndexSet};
 use serde_json::{Map, Value, json};
 
 use super::effect::{Attachment, Effect, Form, Gives, Reads};
+use super::reach::Largest;
 use super::site::{Junction, Reading, Sites, Total};
 use crate::elements::{self, Family};
 use crate::machines::REFERENCE;
@@ -142,6 +143,20 @@ impl<'a> Place<'a> {
             }
             Place::Cord(reading) => vec![("signal", Role::Read(reading))],
         }
+    }
+
+    /// What reaches name here, of roles whose ends are known: these, and the times from sample to sample and of a record.
+    pub fn largest(
+        &self,
+        ends: impl Fn(Role<'_>) -> Option<[f64; 2]>,
+        [sample, record]: [f64; 2],
+    ) -> Vec<Largest> {
+        let roles = self.roles().into_iter();
+        let roles =
+            roles.filter_map(|(name, role)| Some(Largest::of(name, role.unit().clone(), ends(role)?)));
+        let times = [("sample", sample), ("record", record)].into_iter();
+        let seconds = |(name, value)| Some(Largest::of(name, Unit::parse("s").ok()?, [0.0, value]));
+        roles.chain(times.filter_map(seconds)).collect()
     }
 }
 

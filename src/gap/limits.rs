@@ -1,4 +1,4 @@
-//! The smallest effects that data would have shown.
+//! The weakest effects that data would have shown.
 //!
 //! An effect of some strength is run beside the patch as it was fitted. What it changes in the outputs, less all that parameters,
 //! initial voltages and offsets follow when they are fitted again (to first order), is what the search has to find it by: as
@@ -21,7 +21,7 @@ use crate::instruments::number;
 use crate::patch::behind;
 use crate::pool;
 
-/// The smallest effect of a kind, at a place, that data would have shown.
+/// The weakest effect of a kind, at a place, that data would have shown.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limit {
     /// Name of the effect.
@@ -50,7 +50,7 @@ const VARIANTS: usize = 3;
 const NUDGE: f64 = 1e-3;
 
 impl Problem {
-    /// The smallest effects that would have been seen of all that a round tried, those that show best first, worked out on so
+    /// The weakest effects that would have been seen of all that a round tried, those that show best first, worked out on so
     /// many threads.
     ///
     /// # Errors
@@ -149,7 +149,10 @@ impl Limit {
     pub fn sentence(&self) -> Option<String> {
         let (effect, junction) = (&self.effect, &self.junction);
         let told = self.told()?;
-        Some(format!("the smallest {effect} at {junction} that would have shown is {told}"))
+        Some(format!(
+            "the weakest {effect} at {junction} that would have shown has {} = {told}",
+            self.parameter
+        ))
     }
 
     /// Its value with its unit.

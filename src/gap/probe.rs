@@ -3,13 +3,12 @@
 
 use super::candidate::Candidate;
 use super::effect::Effect;
-use super::graft::Attached;
+use super::graft::{Attached, Role};
 use super::model::ModelError;
-use super::reach::Largest;
 use super::site::Sites;
 use crate::circuit::Circuit;
 use crate::patch::tree::{self, Content};
-use crate::patch::{Code, Diagnostic, EditError, Patch, Report, Severity, Span, Unit};
+use crate::patch::{Code, Diagnostic, EditError, Patch, Report, Severity, Span};
 use crate::program::Program;
 
 /// The patch: a mass with friction, and two tanks.
@@ -17,7 +16,7 @@ static PROBE: &str = include_str!("probe.json");
 /// How far its signals go, in volts,
 const EXTENT: f64 = 40.0;
 /// what lies between two samples and how long a record is, in seconds,
-const TIMES: [(&str, f64); 2] = [("sample", 0.01), ("record", 10.0)];
+const TIMES: [f64; 2] = [0.01, 10.0];
 /// and the frequencies at which a force is missing, in Hz.
 const PEAKS: [f64; 1] = [1.0];
 
@@ -34,26 +33,33 @@ pub(super) fn check(file: &str, text: &str, effect: &Effect) -> Result<(), Box<R
     let mut findings = Vec::new();
     for (number, form) in effect.forms.iter().enumerate() {
         let mut own = all.iter().filter(|attached| std::ptr::eq(attached.form, form));
-        let wrong = own.find_map(|attached| wired(attached, &patch).err().filter(|own| !is_of_numbers(own)));
-        findings.extend(wrong.map(|error| finding(&error, spans.get(number).copied().unwrap_or_default())));
+        let span = spans.get(number).copied().unwrap_or_default();
+        findings.extend(own.find_map(|attached| fault(attached, &patch, span)));
     }
     if findings.is_empty() { Ok(()) } else { Err(Box::new(Report::new(file, text, findings))) }
 }
 
-fn wired(attached: &Attached<'_>, patch: &Patch) -> Result<(), ModelError> {
-    let Some(candidate) = Candidate::new(attached, patch, &largest(attached), &PEAKS)? else { return Ok(()) };
-    let circuit = Circuit::new(&candidate.graft.patch, &[])?;
-    Program::new(&circuit)?;
-    Ok(())
+/// What is wrong with a form at one place.
+fn fault(attached: &Attached<'_>, patch: &Patch, span: Span) -> Option<Diagnostic> {
+    match wired(attached, patch) {
+        Ok(true) => None,
+        Ok(false) => {
+            let message =
+                "a parameter of this form is measured in what no number can hold, or is next to nothing";
+            Some(Diagnostic::at(Code::BadNumber, span, message).hint("look at the powers in its \"reach\""))
+        }
+        Err(error) => (!is_of_numbers(&error)).then(|| finding(&error, span)),
+    }
 }
 
-fn largest(attached: &Attached<'_>) -> Vec<Largest> {
-    let roles = attached.place.roles().into_iter().map(|(name, role)| {
-        let end = EXTENT * role.per_volt();
-        Largest::of(name, role.unit().clone(), [-end, end])
-    });
-    let seconds = |(name, value)| Some(Largest::of(name, Unit::parse("s").ok()?, [0.0, value]));
-    roles.chain(TIMES.into_iter().filter_map(seconds)).collect()
+/// Whether what the parameters are measured in can be told in numbers; then it is wired.
+fn wired(attached: &Attached<'_>, patch: &Patch) -> Result<bool, ModelError> {
+    let ends = |role: Role<'_>| Some([-EXTENT, EXTENT].map(|volts| volts * role.per_volt()));
+    let largest = attached.place.largest(ends, TIMES);
+    let Some(candidate) = Candidate::new(attached, patch, &largest, &PEAKS)? else { return Ok(false) };
+    let circuit = Circuit::new(&candidate.graft.patch, &[])?;
+    Program::new(&circuit)?;
+    Ok(true)
 }
 
 /// The first thing that is wrong with a form, where its elements stand.

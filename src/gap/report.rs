@@ -42,13 +42,14 @@ impl Stage {
 const FAR_LESS: f64 = 0.5;
 
 impl Outcome {
-    /// What the reader should doubt, in sentences: ranges at whose end the patch stands, more noise than there can be, and what the
-    /// experiment was warned of.
+    /// What the reader should doubt, in sentences: ranges at whose end the patch stands, more noise than there can be, a solver that
+    /// errs by more than it should, and what the experiment was warned of.
     pub fn doubts(&self, experiment: &Experiment) -> Vec<String> {
         let warnings = experiment.warnings.findings.iter();
         let warned =
             warnings.map(|own| format!("Of the experiment ({}): {}.", own.code.as_str(), own.message));
-        self.at_ends().into_iter().chain(self.noises(experiment)).chain(warned).collect()
+        let coarse = (!self.fineness.is_enough()).then(|| self.fineness.sentence());
+        self.at_ends().into_iter().chain(self.noises(experiment)).chain(coarse).chain(warned).collect()
     }
 
     /// Which parameters of the patch stand at an end of their ranges, where something seems to be missing: as it was, or beside
@@ -183,6 +184,7 @@ impl Outcome {
             "correlations": self.correlations.iter().map(Correlation::document).collect::<Vec<_>>(),
             "rounds": self.rounds.iter().enumerate().map(|(place, round)| round_document(place + 1, round)).collect::<Vec<_>>(),
             "why": self.blind.as_ref().map(Blind::sentence),
+            "solver": {"steps": self.fineness.steps, "error": self.fineness.error},
             "other_starts": self.agreement.document(),
             "parameters": parameters(self.told()),
             "separate": self.separating.as_ref().map(Separating::document),

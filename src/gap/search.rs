@@ -16,6 +16,7 @@ use super::separate::Separating;
 use super::site::Sites;
 use super::stage::{Asked, Problem, Stage, Untried};
 use super::starts::Agreement;
+use super::steps::Fineness;
 use super::whereabouts::Whereabouts;
 use crate::circuit::Circuit;
 use crate::patch::Patch;
@@ -82,6 +83,8 @@ pub struct Outcome {
     pub blind: Option<Blind>,
     /// The experiment that would tell two effects apart, where the data cannot.
     pub separating: Option<Separating>,
+    /// How finely the patch that is told of was run.
+    pub fineness: Fineness,
 }
 
 impl Outcome {
@@ -226,6 +229,7 @@ impl Problem {
         }
         Ok(Outcome {
             verdict,
+            fineness: self.fineness(if verdict.has_names() { &last } else { &base })?,
             agreement: self.agreement(&base, with.seed)?,
             correlations: self.correlations(&base)?,
             base: self.with_errors(base)?,
@@ -244,6 +248,7 @@ impl Problem {
     fn unjudged(&self, base: Stage, why: Blind, seed: u64) -> Result<Outcome, ModelError> {
         Ok(Outcome {
             verdict: Verdict::CannotJudge,
+            fineness: self.fineness(&base)?,
             agreement: self.agreement(&base, seed)?,
             correlations: self.correlations(&base)?,
             last: self.with_errors(base.clone())?,

@@ -15,7 +15,7 @@ use super::record::Record;
 use super::score::{colour, memory};
 use super::starts::scattered;
 use crate::circuit::Circuit;
-use crate::patch::{Edit, EditError, Patch, Unit};
+use crate::patch::{Edit, EditError, Patch};
 
 /// What a patch is held against.
 #[derive(Debug, Clone)]
@@ -600,14 +600,7 @@ impl Peaks {
                 self.of(&junction.own.signal).map(|own| own.map(|end| 20.0 * end / self.length))
             }
         };
-        let roles = place
-            .roles()
-            .into_iter()
-            .filter_map(|(name, role)| Some(Largest::of(name, role.unit().clone(), ends(role)?)));
-        let times = [("sample", self.interval), ("record", self.length)].into_iter();
-        let times =
-            times.filter_map(|(name, value)| Some(Largest::of(name, Unit::parse("s").ok()?, [0.0, value])));
-        roles.chain(times).collect()
+        place.largest(ends, [self.interval, self.length])
     }
 }
 

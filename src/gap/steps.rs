@@ -3,6 +3,7 @@
 use super::fit::Point;
 use super::model::{Choice, Course, ModelError};
 use super::stage::{Problem, Stage, Version};
+use crate::instruments::number;
 use crate::patch::Patch;
 use crate::spare;
 
@@ -13,7 +14,48 @@ const MOST_STEPS: u32 = 64;
 /// So often a fit is made again with finer steps: where it comes to, these may be too coarse again.
 const MOST_REFINED: usize = 4;
 
+/// How finely a patch was run, and what that is worth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fineness {
+    /// Steps from sample to sample.
+    pub steps: u32,
+    /// By how much runs with twice as many differ at most in an output of a record, rms over the noise; infinite where they
+    /// come to no end.
+    pub error: f64,
+    /// What was to be reached: a tenth of the noise, or of what is left over that.
+    pub wanted: f64,
+}
+
+impl Fineness {
+    /// Whether the solver's own error is well under the noise.
+    pub fn is_enough(&self) -> bool {
+        self.error < self.wanted
+    }
+
+    /// The same in words.
+    pub fn sentence(&self) -> String {
+        let steps = if self.steps == 1 { "1 step".to_owned() } else { format!("{} steps", self.steps) };
+        let error = match self.error.is_finite() {
+            true => format!("errs by {} times the noise, rms", number(self.error)),
+            false => "errs by no one knows how much: with twice as many the patch cannot be run".to_owned(),
+        };
+        let more = if self.is_enough() { "" } else { ", and was to err by a tenth of what is left at most" };
+        format!("The solver takes {steps} from sample to sample and {error}{more}.")
+    }
+}
+
 impl Problem {
+    /// How finely a stage was run.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records.
+    pub(super) fn fineness(&self, stage: &Stage) -> Result<Fineness, ModelError> {
+        let (version, point) = (&stage.version, &stage.train.point);
+        let [coarse, fine] = [1, 2].map(|times| self.stepped(version, point, times * version.steps));
+        let error = coarse?.zip(fine?).map_or(f64::INFINITY, |(coarse, fine)| self.error(&coarse, &fine));
+        Ok(Fineness { steps: version.steps, error, wanted: wanted(stage.train.over_noise()) })
+    }
+
     /// Steps with which the solver errs little, for a patch as it stands; the most where none do.
     ///
     /// # Errors
@@ -46,29 +88,28 @@ impl Problem {
     /// The fewest steps, those of a version or twice, four times as many, with which the solver errs in no record by more than a
     /// tenth of the noise, or of what is left over that, beside twice as many; nothing where none do.
     fn fine_enough(&self, version: &Version, at: &Point, left: f64) -> Result<Option<u32>, ModelError> {
-        let run = |steps: u32| {
-            let model = self.model(&Version { steps, ..version.clone() }, &self.train, &self.outputs)?;
-            let choices =
-                at.initial.iter().map(|initial| Choice { knobs: at.knobs.clone(), initial: initial.clone() });
-            let choices: Vec<Choice> = choices.collect();
-            let courses = spare::each(choices.len(), |record| {
-                model.run(record, std::slice::from_ref(&choices[record])).pop().flatten()
-            });
-            Ok::<_, ModelError>(courses.into_iter().collect::<Option<Vec<Course>>>())
-        };
-        let (mut steps, mut coarse) = (version.steps, run(version.steps)?);
+        let (mut steps, mut coarse) = (version.steps, self.stepped(version, at, version.steps)?);
         while steps < MOST_STEPS {
-            let fine = run(2 * steps)?;
-            if coarse
-                .as_ref()
-                .zip(fine.as_ref())
-                .is_some_and(|(coarse, fine)| self.error(coarse, fine) < FINE * left.max(1.0))
-            {
+            let fine = self.stepped(version, at, 2 * steps)?;
+            let both = coarse.as_ref().zip(fine.as_ref());
+            if both.is_some_and(|(coarse, fine)| self.error(coarse, fine) < wanted(left)) {
                 return Ok(Some(steps));
             }
             (steps, coarse) = (2 * steps, fine);
         }
         Ok(None)
+    }
+
+    /// What a version gives at a point with so many steps; nothing where a record cannot be run.
+    fn stepped(&self, version: &Version, at: &Point, steps: u32) -> Result<Option<Vec<Course>>, ModelError> {
+        let model = self.model(&Version { steps, ..version.clone() }, &self.train, &self.outputs)?;
+        let choices =
+            at.initial.iter().map(|initial| Choice { knobs: at.knobs.clone(), initial: initial.clone() });
+        let choices: Vec<Choice> = choices.collect();
+        let courses = spare::each(choices.len(), |record| {
+            model.run(record, std::slice::from_ref(&choices[record])).pop().flatten()
+        });
+        Ok(courses.into_iter().collect())
     }
 
     /// By how much two runs differ at most in an output of a record, rms over the noise.
@@ -78,6 +119,11 @@ impl Problem {
         let errs = pairs.map(|((coarse, fine), sigma)| rms_difference(coarse, fine) / sigma);
         errs.fold(0.0, f64::max)
     }
+}
+
+/// What the solver may err by where so much is left, both rms over the noise.
+fn wanted(left: f64) -> f64 {
+    FINE * left.max(1.0)
 }
 
 fn rms_difference(left: &[f64], right: &[f64]) -> f64 {
@@ -142,5 +188,19 @@ pub(in crate::gap) mod tests {
         // Where the noise hides what the solver errs by, steps are as coarse as they may be.
         let (coarse, _) = fitted(1.0);
         assert!((2..steps).contains(&coarse), "{coarse} {steps}");
+    }
+
+    #[test]
+    fn a_solver_that_errs_by_more_than_it_may_is_told() {
+        let told = |sigma: f64| {
+            let (patch, fit, problem) = decay(sigma, 1);
+            let stage = problem.base(&patch, &fit, 1).unwrap().unwrap();
+            problem.fineness(&stage).unwrap()
+        };
+        let fine = told(1e-3);
+        assert!(fine.is_enough() && fine.error < 0.1 && !fine.sentence().contains("was to"), "{fine:?}");
+        // No steps come to noise as little as this.
+        let coarse = told(1e-12);
+        assert!(!coarse.is_enough() && coarse.sentence().contains("was to err by a tenth"), "{coarse:?}");
     }
 }

@@ -64,6 +64,17 @@ fn what_is_wrong_with_an_effect_is_told_of_its_own_file() {
         ("sum / position^3", "sum + position", "no product of powers"),
         ("[-1, -0.05, 0.3]", "[-1, 30]", "a fit begins at 30, outside the range -10 ... 10"),
         ("[-1, -0.05, 0.3]", "[]", "\"start\" lists no value"),
+        ("[-10, 10]", "[-10, 1e300]", "counts in reaches: it ends at 1000000 at most"),
+        (
+            "sum / position^3",
+            "sum / position^3e9",
+            "a parameter of this form is measured in what no number can hold",
+        ),
+        (
+            "\"title\": \"Cubic stiffness\"",
+            "\"title\": \" \"",
+            "\"title\" is empty: it tells what people call it",
+        ),
     ] {
         let told = told(from, to);
         assert!(told.contains(wanted) && told.contains("own.json:"), "{told}");

@@ -229,7 +229,7 @@ fn where_nothing_is_missing_what_would_have_shown_is_a_table() {
     assert_eq!((code(&told), errors(&told).as_str()), (0, ""));
     let text = out(&told);
     let first = text.lines().next().unwrap();
-    assert!(first.contains("nothing is missing that these data would show; the smallest "), "{first}");
+    assert!(first.contains("nothing is missing that these data would show; the weakest "), "{first}");
     let table =
         text.split("what these data would have shown, every effect where it shows best\n\n").nth(1).unwrap();
     let rows: Vec<&str> = table.lines().skip(1).take_while(|line| !line.is_empty()).collect();

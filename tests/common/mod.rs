@@ -4,6 +4,7 @@
 #![allow(dead_code, reason = "every test binary takes what it needs")]
 
 pub mod files;
+pub mod library;
 pub mod pages;
 pub mod traces;
 

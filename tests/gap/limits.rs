@@ -1,4 +1,4 @@
-//! The smallest effects that data would have shown, and data that show none.
+//! The weakest effects that data would have shown, and data that show none.
 
 use std::path::Path;
 
@@ -8,13 +8,13 @@ use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::stage::Problem;
 use serde_json::{Value, json};
 
+use super::library;
 use super::oscillator::{INTERVAL, measured};
-use super::story::library;
 
 const EFFECTS: [&str; 4] = ["constant-bias", "coulomb-friction", "hard-stop", "time-delay"];
 
 fn searched(experiment: &Experiment, problem: &Problem) -> Outcome {
-    let library = library(&EFFECTS);
+    let library = library::of(&EFFECTS);
     let with = Means { library: &library, threads: 2, seed: 1 };
     problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap()
 }
@@ -68,7 +68,7 @@ fn what_would_have_shown_is_told() {
     assert_eq!(of("xs")["with"]["k"]["unit"], "N/m");
     let sentence = found.sentence();
     assert!(
-        sentence.starts_with("nothing is missing that these data would show; the smallest "),
+        sentence.starts_with("nothing is missing that these data would show; the weakest "),
         "{sentence}"
     );
 }

@@ -8,8 +8,8 @@ use patchcord::program::Program;
 use patchcord::solve::{RunSettings, run};
 use serde_json::{Value, json};
 
+use super::library;
 use super::oscillator::{INTERVAL, measured, patch};
-use super::story::library;
 
 /// Where the oscillator stands whose drive comes 50 ms late.
 fn late(forces: &[f64]) -> Vec<f64> {
@@ -38,7 +38,7 @@ fn late(forces: &[f64]) -> Vec<f64> {
 /// What the search makes of a drive that comes late.
 fn searched(forces: &[f64]) -> (Experiment, Outcome) {
     let (experiment, problem) = measured(forces, &late(forces));
-    let library = library(&["actuator-lag", "time-delay", "constant-bias"]);
+    let library = library::of(&["actuator-lag", "time-delay", "constant-bias"]);
     let with = Means { library: &library, threads: 2, seed: 1 };
     let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
     (experiment, found)

@@ -1,21 +1,20 @@
 //! The thesis re-enacted: Figs 8.4 and 8.14 beside data that the law of Fig 8.16 made, in patches/story.
 
-use std::fs;
 use std::path::Path;
 
 use patchcord::circuit::Circuit;
 use patchcord::gap::Experiment;
 use patchcord::gap::candidate::Candidate;
-use patchcord::gap::effect::Library;
-use patchcord::gap::graft::{Attached, Role};
-use patchcord::gap::reach::Largest;
+use patchcord::gap::graft::Attached;
 use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::site::Sites;
 use patchcord::gap::stage::Problem;
-use patchcord::patch::{Edit, Patch, Phase, Unit};
+use patchcord::patch::{Edit, Patch, Phase};
 use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
 use serde_json::json;
+
+use super::library;
 
 /// What patches/story/slide.py made the data with, by the names of Fig 8.16.
 const TRUTH: [(&str, f64); 6] =
@@ -33,20 +32,10 @@ fn thesis(figure: &str) -> Patch {
     Patch::read(Path::new(&format!("patches/thesis/{figure}.json"))).unwrap()
 }
 
-/// A few of the effects of the program, so that a search takes seconds.
-pub(super) fn library(effects: &[&str]) -> Library {
-    let folder = tempfile::tempdir().unwrap();
-    for effect in effects {
-        let file = format!("{effect}.json");
-        fs::copy(Path::new("patches/effects").join(&file), folder.path().join(&file)).unwrap();
-    }
-    Library::default().and_folder(folder.path()).unwrap()
-}
-
 fn searched(figure: &str, effects: &[&str]) -> (Problem, Outcome) {
     let experiment = experiment(figure);
     let problem = Problem::of(&experiment).unwrap();
-    let library = library(effects);
+    let library = library::of(effects);
     let with = Means { library: &library, threads: 2, seed: 1 };
     let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
     (problem, found)
@@ -115,14 +104,10 @@ fn augmented() -> Patch {
     let patch = thesis("fig-8-04");
     let circuit = Circuit::new(&patch, &[]).unwrap();
     let sites = Sites::of(&circuit, &["v_i"]);
-    let library = library(&["friction-memory"]);
+    let library = library::of(&["friction-memory"]);
     let all = Attached::all(library.get("friction-memory").unwrap(), &sites);
     let attached = all.iter().find(|attached| attached.reads() == ["spring_force"]).unwrap();
-    let told = |(name, role): (&'static str, Role<'_>)| {
-        Largest::of(name, role.unit().clone(), [0.0, 10.0 * role.per_volt()])
-    };
-    let sample = Largest::of("sample", Unit::parse("s").unwrap(), [0.0, 1e-3]);
-    let largest: Vec<_> = attached.place.roles().into_iter().map(told).chain([sample]).collect();
+    let largest = attached.place.largest(|role| Some([0.0, 10.0 * role.per_volt()]), [1e-3, 1.0]);
     Candidate::new(attached, &patch, &largest, &[]).unwrap().unwrap().graft.patch
 }
 

@@ -39,7 +39,12 @@ fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> 
     }
     let mut told = |key, meaning| {
         let node = fields.need(key, meaning);
-        node.and_then(|node| word(node, key, findings)).map_or_else(String::new, |text| text.value)
+        let text = node.and_then(|node| word(node, key, findings));
+        if let Some(text) = text.as_ref().filter(|text| text.value.trim().is_empty()) {
+            let message = format!("\"{key}\" is empty: it tells {meaning}");
+            findings.push(Diagnostic::at(Code::MissingKey, text.span, message));
+        }
+        text.map_or_else(String::new, |text| text.value)
     };
     let [title, law, physics, source, excitation] = [
         told("title", "what people call it"),
@@ -108,11 +113,20 @@ fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<Placed<
     Some(Placed { value, span })
 }
 
+/// No parameter is searched further than this, in reaches.
+const MOST_REACHES: f64 = 1e6;
+
 fn pair(node: &Node, key: &str, findings: &mut Findings) -> Option<[f64; 2]> {
     let numbers: Vec<_> = list(node, key, findings)?.iter().map(|node| number(node, key, findings)).collect();
     let pair = <[Option<f64>; 2]>::try_from(numbers).ok();
     let pair = pair.map(|[low, high]| (low, high));
     match pair {
+        Some((Some(low), Some(high))) if low.min(-high) < -MOST_REACHES => {
+            let message =
+                format!("\"{key}\" counts in reaches: it ends at {MOST_REACHES} at most, to either side");
+            findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+            None
+        }
         Some((Some(low), Some(high))) if low < high => Some([low, high]),
         Some((None, _) | (_, None)) => None,
         _ => {
@@ -125,15 +139,11 @@ fn pair(node: &Node, key: &str, findings: &mut Findings) -> Option<[f64; 2]> {
 
 /// A number within the range, or its upper end.
 fn none_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Option<f64> {
-    let [low, high] = range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let none = match &node.value {
         Content::Text(text) if text == "upper" => range.map(|[_, high]| high),
         _ => number(node, "none", findings),
     };
-    if let Some(value) = none.filter(|value| !(low..=high).contains(value)) {
-        let message = format!("there is no effect at {value}, outside the range {low} ... {high}");
-        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
-    }
+    check_within(none?, range, node.span, findings, "there is no effect");
     none
 }
 
@@ -150,16 +160,21 @@ fn start_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Op
     }
     let nodes = list(node, "start", findings)?;
     let values: Vec<f64> = nodes.iter().map(|node| number(node, "start", findings)).collect::<Option<_>>()?;
-    let [low, high] = range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     if values.is_empty() {
         let message = "\"start\" lists no value from which a fit could begin";
         findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
     }
-    for (value, node) in values.iter().zip(nodes).filter(|(value, _)| !(low..=high).contains(*value)) {
-        let message = format!("a fit begins at {value}, outside the range {low} ... {high}");
-        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+    for (value, node) in values.iter().zip(nodes) {
+        check_within(*value, range, node.span, findings, "a fit begins");
     }
     Some(Start::Values(values))
+}
+
+/// A value of a parameter lies in its range, where that could be read.
+fn check_within(value: f64, range: Option<[f64; 2]>, span: Span, findings: &mut Findings, what: &str) {
+    let Some([low, high]) = range.filter(|[low, high]| !(*low..=*high).contains(&value)) else { return };
+    let message = format!("{what} at {value}, outside the range {low} ... {high}");
+    findings.push(Diagnostic::at(Code::BadNumber, span, message));
 }
 
 fn form(
@@ -230,11 +245,9 @@ fn check_gains(form: &Form, gains: &[Placed<Formula>], findings: &mut Findings) 
     let known: Vec<&str> =
         there.chain(["time_scale"]).chain(form.parameters.iter().map(String::as_str)).collect();
     for gain in gains {
-        for missing in gain.value.names().into_iter().filter(|named| !known.contains(named)) {
-            let message = format!("this gain is worked out from {missing}, which the form has not");
-            let hint = format!("there are {}", known.join(", "));
-            findings.push(Diagnostic::at(Code::UnknownName, gain.span, message).hint(hint));
-        }
+        check_names(&gain.value, gain.span, &known, findings, |missing| {
+            format!("this gain is worked out from {missing}, which the form has not")
+        });
     }
 }
 
@@ -244,16 +257,24 @@ fn check_measures(
     parameters: &IndexMap<String, Placed<EffectParameter>>,
     findings: &mut Findings,
 ) {
-    let known = form.measures();
+    let (known, at) = (form.measures(), form.at.word());
     for (name, own) in form.parameters.iter().filter_map(|name| Some((name, parameters.get(name)?))) {
-        for missing in own.value.reach.names().into_iter().filter(|named| !known.contains(named)) {
-            let at = form.at.word();
-            let message = format!(
-                "{name} is measured in {missing}, which a form at \"{at}\" with its \"reads\" has not"
-            );
-            let hint = format!("there are {}", known.join(", "));
-            findings.push(Diagnostic::at(Code::UnknownName, own.span, message).hint(hint));
-        }
+        check_names(&own.value.reach, own.span, &known, findings, |missing| {
+            format!("{name} is measured in {missing}, which a form at \"{at}\" with its \"reads\" has not")
+        });
+    }
+}
+
+fn check_names(
+    formula: &Formula,
+    span: Span,
+    known: &[&str],
+    findings: &mut Findings,
+    message: impl Fn(&str) -> String,
+) {
+    for missing in formula.names().into_iter().filter(|named| !known.contains(named)) {
+        let hint = format!("there are {}", known.join(", "));
+        findings.push(Diagnostic::at(Code::UnknownName, span, message(missing)).hint(hint));
     }
 }
 

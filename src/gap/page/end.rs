@@ -16,7 +16,9 @@ pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
         &["gap over noise, rms", "training", "held back", "distance from white, in standard deviations"],
         rows.into_iter(),
     );
-    let doubts = told.outcome.doubts(told.experiment);
+    let fineness = &told.outcome.fineness;
+    let fine = fineness.is_enough().then(|| fineness.sentence());
+    let doubts = fine.into_iter().chain(told.outcome.doubts(told.experiment)).collect::<Vec<_>>();
     text.extend(doubts.iter().map(|own| format!("<p>{}</p>\n", escaped(own))));
     if told.outcome.verdict.has_names() {
         text += &parameters(last);

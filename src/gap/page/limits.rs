@@ -1,4 +1,4 @@
-//! The smallest effects that the data would have shown.
+//! The weakest effects that the data would have shown.
 
 use super::sheet::{escaped_text, table};
 use crate::gap::limits::Limit;
@@ -11,7 +11,7 @@ pub(super) fn section(limits: &[Limit]) -> String {
         (false, cells.map(escaped_text).to_vec())
     });
     format!(
-        "<section>\n<h2>What these data would have shown</h2>\n<p>The smallest of every effect that the first round would have found.</p>\n{}</section>\n",
-        table(&["effect", "at", "reads", "parameter", "would have shown from", "with"], rows)
+        "<section>\n<h2>What these data would have shown</h2>\n<p>The weakest of every effect that the first round would have found.</p>\n{}</section>\n",
+        table(&["effect", "at", "reads", "parameter", "the weakest that would have shown", "with"], rows)
     )
 }

@@ -1,0 +1,15 @@
+//! A few of the effects of the program, so that a search takes seconds.
+
+use std::fs;
+use std::path::Path;
+
+use patchcord::gap::effect::Library;
+
+pub fn of(effects: &[&str]) -> Library {
+    let folder = tempfile::tempdir().unwrap();
+    for effect in effects {
+        let file = format!("{effect}.json");
+        fs::copy(Path::new("patches/effects").join(&file), folder.path().join(&file)).unwrap();
+    }
+    Library::default().and_folder(folder.path()).unwrap()
+}
