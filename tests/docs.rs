@@ -141,6 +141,29 @@ fn the_search_stands_beside_others_with_its_own_figures() {
     assert!(told >= 10);
 }
 
+/// What the page of hidden effects tells stays on the right side of what the search is for, in percent.
+#[test]
+fn the_search_is_as_good_as_it_has_to_be() {
+    let page = rows("docs/hidden-effects.md");
+    let limits = [
+        ("right name, gap over noise above 3", [90.0, 100.0]),
+        ("right name, gap over noise 1 ... 3", [80.0, 100.0]),
+        ("right name, gap over noise 0.3 ... 1", [50.0, 100.0]),
+        ("both of a pair named, gap over noise above 3", [60.0, 100.0]),
+        ("wrong name, aliases merged", [0.0, 2.0]),
+        ("false alarm when nothing is missing", [0.0, 1.0]),
+        ("unknown effect called by a library name", [0.0, 10.0]),
+        ("named at the right place", [98.0, 100.0]),
+        ("the same where the library's law is hidden: within 10 %", [90.0, 100.0]),
+        ("the same where the library's law is hidden: the true value in the interval of 95 %", [90.0, 98.0]),
+        ("data held back, after naming: within 10 % of the noise", [90.0, 100.0]),
+    ];
+    for (what, [least, most]) in limits {
+        let told: f64 = page[what].split_once(" %").unwrap().0.parse().unwrap();
+        assert!((least..=most).contains(&told), "{what}: {}", page[what]);
+    }
+}
+
 #[test]
 fn every_case_that_a_page_counts_stands_in_its_list() {
     let list = fs::read_to_string("docs/hidden-effects.jsonl").unwrap();

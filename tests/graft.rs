@@ -62,7 +62,7 @@ fn sites(patch: &Patch) -> Sites {
 /// What is largest at a place, what 40 V stand for, and times.
 fn largest(attached: &Attached<'_>) -> Vec<Largest> {
     let ends = |role: Role<'_>| Some([-40.0, 40.0].map(|volts| volts * role.per_volt()));
-    attached.place.largest(ends, [0.01, 3.0])
+    attached.place.largest(ends, 0.01, 3.0)
 }
 
 fn candidate(attached: &Attached<'_>, patch: &Patch) -> Candidate {

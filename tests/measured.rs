@@ -186,17 +186,22 @@ fn experiments_read_tables_made_like_the_data() {
     }
 }
 
+/// An experiment, where its data are; where not, that is told.
+fn whose_data_are_there(path: &Path) -> Option<Experiment> {
+    let text = fs::read_to_string(path).unwrap();
+    let named = text.split('"').filter(|word| word.ends_with(".csv"));
+    if let Some(missing) = named.map(|file| Path::new(FOLDER).join(file)).find(|file| !file.exists()) {
+        eprintln!("{} is not read: there is no {}", path.display(), missing.display());
+        return None;
+    }
+    Some(Experiment::read(path).unwrap_or_else(|error| panic!("{error}")))
+}
+
 /// Where the data themselves are, the experiments read them whole.
 #[test]
 fn experiments_read_the_data_where_they_are() {
     for path in experiments() {
-        let files = fs::read_to_string(&path).unwrap();
-        let named = files.split('"').filter(|word| word.ends_with(".csv"));
-        if let Some(missing) = named.map(|file| Path::new(FOLDER).join(file)).find(|file| !file.exists()) {
-            eprintln!("{} is not read: there is no {}", path.display(), missing.display());
-            continue;
-        }
-        let read = Experiment::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        let Some(read) = whose_data_are_there(&path) else { continue };
         assert_eq!(read.warnings.to_string(), "", "{}", path.display());
         let samples: usize = read.train.iter().chain(&read.test).map(|record| record.len()).sum();
         assert!([24_841, 2 * 24_841, 2 * 1024].contains(&samples), "{}: {samples}", path.display());
@@ -205,11 +210,7 @@ fn experiments_read_the_data_where_they_are() {
 
 /// What a search among a few effects says, where the data are.
 fn searched(name: &str, effects: &[&str]) -> Option<(Experiment, Problem, Outcome)> {
-    let file = Path::new(FOLDER).join(format!("{name}.experiment.json"));
-    let Ok(experiment) = Experiment::read(&file) else {
-        eprintln!("{name} is not searched: its data are not in {FOLDER}/data");
-        return None;
-    };
+    let experiment = whose_data_are_there(&Path::new(FOLDER).join(format!("{name}.experiment.json")))?;
     let problem = Problem::of(&experiment).unwrap();
     let with = Means { library: &common::library::of(effects), threads: 2, seed: 1 };
     let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
@@ -244,10 +245,7 @@ fn the_tanks_overflow_and_nothing_saturates() {
 #[test]
 fn velocities_come_as_near_as_is_told() {
     let file = Path::new(FOLDER).join("emps-friction.experiment.json");
-    let Ok(experiment) = Experiment::read(&file) else {
-        eprintln!("velocities are not held against the slide: its data are not in {FOLDER}/data");
-        return;
-    };
+    let Some(experiment) = whose_data_are_there(&file) else { return };
     let viscous = [("M", 94.29), ("offset", -3.55), ("Fv", 192.7), ("Fc", 21.61)];
     let by_direction = [("M", 93.25), ("offset", -0.19), ("Fp", 157.3), ("Fm", 233.1), ("Fc", 21.31)];
     let cases =

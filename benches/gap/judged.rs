@@ -89,12 +89,12 @@ pub struct Parameter {
 }
 
 impl Judged {
-    pub fn of(number: usize, hidden: &Hidden, library: &Library) -> Outcome<Judged> {
+    pub fn of(number: usize, hidden: &Hidden, library: &Library, threads: usize) -> Outcome<Judged> {
         let truth = hidden.truth(number)?;
         let began = Instant::now();
         let experiment = Experiment::read(&hidden.experiment(number)).map_err(|error| error.to_string())?;
         let problem = Problem::of(&experiment)?;
-        let with = Means { library, threads: 1, seed: 1 };
+        let with = Means { library, threads, seed: 1 };
         let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ())?;
         let seconds = began.elapsed().as_secs_f64();
         let Some(found) = found else { return Err(format!("case {number} cannot be run").into()) };

@@ -7,6 +7,8 @@
 //!     cargo bench --bench gap -- 60           the first 60
 //!     cargo bench --bench gap -- 41-90/7 -v   every seventh of some, each told with what was tried
 //!     cargo bench --bench gap -- 18,37        these
+//!     cargo bench --bench gap -- 1-1000/40 threads=2
+//!                                             every fortieth on two threads, so many at a time as there are cores for
 //!     cargo bench --bench gap -- 60 in=FILE   what is found is kept in a file as well, and what stands there is not sought again
 //!
 //! The cases are made by the program in benches/hidden, which a C compiler makes first.
@@ -42,6 +44,8 @@ struct Asked {
     numbers: Vec<usize>,
     seed: u64,
     verbose: bool,
+    /// How many threads work on each case: one where the page is to be written, which tells of the time that this takes.
+    threads: usize,
     journal: Option<PathBuf>,
     /// Whether nothing is searched.
     only_page: bool,
@@ -50,16 +54,23 @@ struct Asked {
 impl Asked {
     /// Whether the page is to be written: that of all cases.
     fn writes(&self) -> bool {
-        self.seed == SEED && self.journal.as_deref() == Some(Path::new(JOURNAL))
+        self.seed == SEED && self.threads == 1 && self.journal.as_deref() == Some(Path::new(JOURNAL))
     }
 }
 
 fn asked() -> Outcome<Asked> {
-    let mut asked =
-        Asked { numbers: Vec::new(), seed: SEED, verbose: false, journal: None, only_page: false };
+    let mut asked = Asked {
+        numbers: Vec::new(),
+        seed: SEED,
+        verbose: false,
+        threads: 1,
+        journal: None,
+        only_page: false,
+    };
     for word in std::env::args().skip(1).filter(|word| word != "--bench") {
         match word.split_once('=') {
             Some(("seed", seed)) => asked.seed = seed.parse()?,
+            Some(("threads", threads)) => asked.threads = threads.parse::<usize>()?.max(1),
             Some(("in", file)) => asked.journal = Some(file.into()),
             _ if word == "-v" => asked.verbose = true,
             _ if word == "page" => asked.only_page = true,
@@ -68,7 +79,7 @@ fn asked() -> Outcome<Asked> {
     }
     if asked.numbers.is_empty() {
         asked.numbers = (1..=CASES).collect();
-        if asked.seed == SEED {
+        if asked.seed == SEED && asked.threads == 1 {
             asked.journal.get_or_insert_with(|| JOURNAL.into());
         }
     }
@@ -93,7 +104,7 @@ fn main() -> Outcome<()> {
         search(&asked, &hidden, &mut journal)?;
     }
     journal.judged.sort_by_key(|one| one.number);
-    let page = page::page(&journal.judged, CASES);
+    let page = page::page(&journal.judged, CASES, asked.threads);
     println!("{page}");
     if asked.writes() {
         std::fs::write(JOURNAL, journal.text())?;
@@ -102,7 +113,7 @@ fn main() -> Outcome<()> {
     Ok(())
 }
 
-/// Searches every case that the journal does not have, one on each core.
+/// Searches every case that the journal does not have, so many at a time as there are cores for.
 fn search(asked: &Asked, hidden: &Hidden, journal: &mut Journal) -> Outcome<()> {
     let library = Library::shipped();
     let cores = thread::available_parallelism().map_or(1, usize::from);
@@ -111,11 +122,12 @@ fn search(asked: &Asked, hidden: &Hidden, journal: &mut Journal) -> Outcome<()> 
     let next = AtomicUsize::new(0);
     let (tell, told) = mpsc::channel();
     thread::scope(|scope| {
-        for _ in 0..cores {
+        for _ in 0..(cores / asked.threads).max(1) {
             let (tell, next, numbers, library) = (tell.clone(), &next, &numbers, &library);
+            let threads = asked.threads;
             scope.spawn(move || {
                 while let Some(number) = numbers.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    if tell.send(Judged::of(*number, hidden, library)).is_err() {
+                    if tell.send(Judged::of(*number, hidden, library, threads)).is_err() {
                         return;
                     }
                 }

@@ -12,7 +12,7 @@ const BANDS: [(&str, f64, f64); 3] =
 const LARGE: f64 = 3.0;
 
 /// The page, of so many cases or those of them that were searched.
-pub fn page(judged: &[Judged], cases: usize) -> String {
+pub fn page(judged: &[Judged], cases: usize, threads: usize) -> String {
     let searched = match judged.len() {
         all if all == cases => cases.to_string(),
         some => format!("{some} of {cases}"),
@@ -20,12 +20,12 @@ pub fn page(judged: &[Judged], cases: usize) -> String {
     let mut text = format!(
         "# Hidden effects\n\n\
          What `patchcord gap` says of {searched} experiments in which an effect is hidden, or none. The data come from a program that shares no code with\n\
-         this one (`benches/hidden`), with other shapes of the same laws; the truth lies apart. `cargo bench --bench gap` makes them and writes this page;\n\
+         this one (`benches/hidden`) and holds itself against closed solutions first, with other shapes of the same laws; the truth lies apart. `cargo bench --bench gap` makes them and writes this page;\n\
          [hidden-effects.jsonl](hidden-effects.jsonl) has every case: what was hidden, what was said, the parameters with their true values and intervals, what was left of the data held back.\n\n\
          *Gap over noise* is the rms that the best refitted base leaves, over the standard deviation of the noise. *Among two*: the data cannot tell, and one of both is the truth. *An alias*: what is named is another effect, which\n\
-         some data cannot tell from the hidden one ([effects.md](effects.md) says which); *wrong name* are all others. *Within 10 % of the noise*: the true laws, refitted, leave the noise itself of the data held back, so what is left of these is held against that. Every case has 2400 samples to train on and 22 effects to try, on one core.\n\n"
+         some data cannot tell from the hidden one ([effects.md](effects.md) says which); *wrong name* are all others. *Within 10 % of the noise*: the true laws, refitted, leave the noise itself of the data held back, so what is left of these is held against that. Every case has 2400 samples to train on and 22 effects to try.\n\n"
     );
-    text += &measures(judged);
+    text += &measures(judged, threads);
     text += "\n## What was said, by what is hidden\n\n";
     text += &shares(judged);
     text += "\n## What was said of every effect\n\n";
@@ -77,7 +77,7 @@ fn kind(one: &Judged) -> &'static str {
 }
 
 /// How often what is said is right, how good what is rightly named is, and what it cost.
-fn measures(judged: &[Judged]) -> String {
+fn measures(judged: &[Judged], threads: usize) -> String {
     let mut rows = names(judged);
     let right = |one: &&Judged| one.judgement == Judgement::Right && !one.named.is_empty();
     let named = judged.iter().filter(right);
@@ -88,7 +88,8 @@ fn measures(judged: &[Judged]) -> String {
         let what = format!("data held back, after naming: within {within} of the noise");
         rows.push((what, share(named.clone(), |one| one.held_out <= most)));
     }
-    rows.push(("time for a case, on one core".to_owned(), times(judged)));
+    let on = if threads == 1 { "one core".to_owned() } else { format!("{threads} threads") };
+    rows.push((format!("time for a case, on {on}"), times(judged)));
     let rows: String = rows.iter().map(|(what, told)| format!("| {what} | {told} |\n")).collect();
     format!("| measure | |\n|---|---|\n{rows}")
 }
@@ -145,12 +146,20 @@ fn share<T>(all: impl Iterator<Item = T>, is: impl Fn(&T) -> bool) -> String {
 fn times(judged: &[Judged]) -> String {
     let mut times: Vec<f64> = judged.iter().map(|one| one.seconds).collect();
     times.sort_by(f64::total_cmp);
-    format!("{:.1} s (median), {:.0} s at most", median(&times), times.last().copied().unwrap_or_default())
+    let [half, most] = [0.5, 0.95].map(|share| quantile(&times, share));
+    let last = times.last().copied().unwrap_or_default();
+    format!("{half:.1} s (median), {most:.0} s or less in 19 of 20, {last:.0} s at most")
 }
 
 /// The middle of numbers in order.
 fn median(sorted: &[f64]) -> f64 {
-    sorted.get(sorted.len() / 2).copied().unwrap_or_default()
+    quantile(sorted, 0.5)
+}
+
+/// A quantile of numbers in order.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = (sorted.len() as f64 * share).ceil() as usize;
+    sorted.get(place.saturating_sub(1)).copied().unwrap_or_default()
 }
 
 /// What was said of every single effect.

@@ -30,6 +30,7 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
         text += &format!("\n{}\n\n{}", heading(number + 1, round), trials(round).text());
         text.extend(round.left_out.iter().map(|own| format!("{}\n", own.sentence())));
     }
+    text.extend(outcome.nowhere_told().map(|own| format!("\n{own}\n")));
     text
 }
 
@@ -70,7 +71,7 @@ fn place(found: &[Whereabouts]) -> String {
 
 /// The weakest of every effect that would have shown.
 fn limits(found: &[Limit]) -> String {
-    let mut table = Table::new(["effect", "at", "parameter", "the weakest that would have shown"]);
+    let mut table = Table::new(["effect", "at", "parameter", "weakest that would have shown"]);
     for limit in best_places(found) {
         let from = limit.told().unwrap_or_else(|| "not at all".to_owned());
         table.row([limit.effect.clone(), limit.junction.clone(), limit.parameter.clone(), from]);

@@ -18,7 +18,7 @@ pub struct Correlation {
     pub own: Lagged,
     /// The same with its size, whatever its sign.
     pub size: Lagged,
-    /// What chance brings at most in 95 of 100 cases, at the lag where it brings most.
+    /// What chance brings at most in 95 of 100 cases, at whichever lag.
     pub chance: f64,
 }
 
@@ -61,13 +61,13 @@ impl Problem {
             let (output, quantity) = pairs[place];
             let tracks = self.tracks(stage, &courses, output, quantity);
             let sizes: Vec<Tracks<'_>> = tracks.iter().map(|own| own.of(f64::abs)).collect();
-            let samples = tracks.iter().flat_map(|own| own.left).filter(|own| !own.is_nan()).count();
+            let lags = lags_of(&tracks);
             let correlation = Correlation {
                 output: self.outputs[output].clone(),
                 with: names[quantity].clone(),
                 own: strongest(&tracks),
                 size: strongest(&sizes),
-                chance: chance(lags_of(&tracks).len(), stage.memory, samples),
+                chance: chance(lags.len(), stage.memory, fewest_pairs(&tracks, &lags)),
             };
             (output, correlation)
         });
@@ -121,11 +121,17 @@ fn lags_of(tracks: &[Tracks<'_>]) -> Vec<f64> {
     (0..=last).step_by(last.div_ceil(MOST_LAGS).max(1)).map(|lag| lag as f64 * longest.interval).collect()
 }
 
-/// The largest correlation that chance brings in 95 of 100 cases, with a quantity and its size at so many lags, where so many
-/// samples remember so long.
-fn chance(lags: usize, memory: f64, samples: usize) -> f64 {
+/// How many samples are left to correlate at the longest lag.
+fn fewest_pairs(tracks: &[Tracks<'_>], lags: &[f64]) -> usize {
+    let longest = lags.last().copied().unwrap_or_default();
+    tracks.iter().map(|own| own.pairs(longest).count()).sum()
+}
+
+/// The largest correlation that chance brings in 95 of 100 cases, or more of them where a record is short, with a quantity and
+/// its size at so many lags, where so many pairs, at least, remember so long.
+fn chance(lags: usize, memory: f64, pairs: usize) -> f64 {
     let tried = (2.0 * lags as f64).max(1.0);
-    deviations(MISSED / tried) * (memory / samples.max(1) as f64).sqrt()
+    deviations(MISSED / tried) * (memory / pairs.max(1) as f64).sqrt()
 }
 
 /// So often chance brings more.
@@ -166,6 +172,7 @@ fn correlation(tracks: &[Tracks<'_>], lag: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gap::dice::normal;
 
     #[test]
     fn what_follows_a_quantity_is_found_at_its_lag() {
@@ -190,6 +197,21 @@ mod tests {
         assert_eq!(strongest(&[]).value, 0.0);
         let still = Tracks { left: &with, with: vec![1.0; 600], interval: 0.1 };
         assert_eq!(strongest(&[still]).value, 0.0);
+    }
+
+    #[test]
+    fn white_noise_goes_with_another_by_more_than_chance_in_one_of_twenty_cases() {
+        for (samples, expected) in [(40, 0..=24), (100, 0..=24), (500, 8..=32)] {
+            let is_beyond = |seed: &u64| {
+                let left = normal(*seed, samples);
+                let own = [Tracks { left: &left, with: normal(1000 + seed, samples), interval: 0.1 }];
+                let (size, lags) = ([own[0].of(f64::abs)], lags_of(&own));
+                let most = chance(lags.len(), 1.0, fewest_pairs(&own, &lags));
+                strongest(&own).value.abs().max(strongest(&size).value.abs()) > most
+            };
+            let beyond = (0..400).filter(is_beyond).count();
+            assert!(expected.contains(&beyond), "{samples} samples: {beyond} of 400");
+        }
     }
 
     #[test]

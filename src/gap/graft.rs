@@ -145,11 +145,12 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// What reaches name here, of roles whose ends are known: these, and the times from sample to sample and of a record.
+    /// The largest of what reaches may name here: of every role whose ends are told, of `sample` and of `record`, in seconds.
     pub fn largest(
         &self,
         ends: impl Fn(Role<'_>) -> Option<[f64; 2]>,
-        [sample, record]: [f64; 2],
+        sample: f64,
+        record: f64,
     ) -> Vec<Largest> {
         let roles = self.roles().into_iter();
         let roles =

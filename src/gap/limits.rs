@@ -91,6 +91,8 @@ pub enum Blind {
     Few,
     /// A constant explains them as well as the patch does.
     Still,
+    /// No effect could be tried.
+    Nowhere,
     /// No effect that was tried would show, however strong.
     Effects,
     /// The patch explains their opposite.
@@ -103,6 +105,10 @@ impl Blind {
         match self {
             Blind::Few => "they are no more than the numbers that are fitted".to_owned(),
             Blind::Still => "nothing moves in them beyond the noise".to_owned(),
+            Blind::Nowhere => {
+                "no effect found a place in the patch, whose integrators have to give signals with scales"
+                    .to_owned()
+            }
             Blind::Effects => "they would show none of the effects that were tried".to_owned(),
             Blind::Turned(turned) => turned.sentence(),
         }
@@ -118,6 +124,9 @@ impl Problem {
         let needed = rounds.first().map_or(0.0, |round| round.needed);
         if self.motion(base) < needed * base.memory {
             return Some(Blind::Still);
+        }
+        if rounds.iter().all(|round| round.trials.is_empty()) {
+            return Some(Blind::Nowhere);
         }
         (!limits.iter().any(Limit::is_seen)).then_some(Blind::Effects)
     }
@@ -257,7 +266,7 @@ impl<'a> Ground<'a> {
         }))
     }
 
-    /// The smallest strength at which an effect would have been seen, whatever its other parameters.
+    /// The least strength at which an effect would have been seen, whatever its other parameters.
     fn limit(&self, trial: &Trial) -> Result<Limit, ModelError> {
         let version = &trial.stage.version;
         let models = [

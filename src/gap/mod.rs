@@ -8,6 +8,8 @@
 
 pub mod candidate;
 pub mod correlation;
+#[cfg(test)]
+mod dice;
 mod directions;
 mod document;
 pub mod effect;

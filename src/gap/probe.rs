@@ -15,8 +15,10 @@ use crate::program::Program;
 static PROBE: &str = include_str!("probe.json");
 /// How far its signals go, in volts,
 const EXTENT: f64 = 40.0;
-/// what lies between two samples and how long a record is, in seconds,
-const TIMES: [f64; 2] = [0.01, 10.0];
+/// what lies between two samples, in seconds,
+const SAMPLE: f64 = 0.01;
+/// how long a record is,
+const RECORD: f64 = 10.0;
 /// and the frequencies at which a force is missing, in Hz.
 const PEAKS: [f64; 1] = [1.0];
 
@@ -33,33 +35,19 @@ pub(super) fn check(file: &str, text: &str, effect: &Effect) -> Result<(), Box<R
     let mut findings = Vec::new();
     for (number, form) in effect.forms.iter().enumerate() {
         let mut own = all.iter().filter(|attached| std::ptr::eq(attached.form, form));
-        let span = spans.get(number).copied().unwrap_or_default();
-        findings.extend(own.find_map(|attached| fault(attached, &patch, span)));
+        let wrong = own.find_map(|attached| wired(attached, &patch).err().filter(|own| !is_of_numbers(own)));
+        findings.extend(wrong.map(|error| finding(&error, spans.get(number).copied().unwrap_or_default())));
     }
     if findings.is_empty() { Ok(()) } else { Err(Box::new(Report::new(file, text, findings))) }
 }
 
-/// What is wrong with a form at one place.
-fn fault(attached: &Attached<'_>, patch: &Patch, span: Span) -> Option<Diagnostic> {
-    match wired(attached, patch) {
-        Ok(true) => None,
-        Ok(false) => {
-            let message =
-                "a parameter of this form is measured in what no number can hold, or is next to nothing";
-            Some(Diagnostic::at(Code::BadNumber, span, message).hint("look at the powers in its \"reach\""))
-        }
-        Err(error) => (!is_of_numbers(&error)).then(|| finding(&error, span)),
-    }
-}
-
-/// Whether what the parameters are measured in can be told in numbers; then it is wired.
-fn wired(attached: &Attached<'_>, patch: &Patch) -> Result<bool, ModelError> {
+fn wired(attached: &Attached<'_>, patch: &Patch) -> Result<(), ModelError> {
     let ends = |role: Role<'_>| Some([-EXTENT, EXTENT].map(|volts| volts * role.per_volt()));
-    let largest = attached.place.largest(ends, TIMES);
-    let Some(candidate) = Candidate::new(attached, patch, &largest, &PEAKS)? else { return Ok(false) };
+    let largest = attached.place.largest(ends, SAMPLE, RECORD);
+    let Some(candidate) = Candidate::new(attached, patch, &largest, &PEAKS)? else { return Ok(()) };
     let circuit = Circuit::new(&candidate.graft.patch, &[])?;
     Program::new(&circuit)?;
-    Ok(true)
+    Ok(())
 }
 
 /// The first thing that is wrong with a form, where its elements stand.

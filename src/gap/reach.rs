@@ -35,11 +35,11 @@ pub fn reach(formula: &Formula, largest: &[Largest]) -> Option<(f64, Unit)> {
 pub const NAMES: [&str; 9] =
     ["signal", "own", "sum", "position", "load", "force", "next", "sample", "record"];
 
-/// Whether a formula of these names is a product of powers.
-pub fn is_product(formula: &Formula) -> bool {
+/// What a formula of these names comes to where each of them is ten; nothing where it is no product of powers.
+pub fn of_tens(formula: &Formula) -> Option<f64> {
     let unit = Unit::parse("1");
-    let one = |name| Some(Largest::of(name, unit.clone().ok()?, [0.0, 1.0]));
-    reach(formula, &NAMES.into_iter().filter_map(one).collect::<Vec<_>>()).is_some()
+    let ten = |name| Some(Largest::of(name, unit.clone().ok()?, [0.0, 10.0]));
+    reach(formula, &NAMES.into_iter().filter_map(ten).collect::<Vec<_>>()).map(|(value, _)| value)
 }
 
 /// The value of a part raised to a power; what it names is noted with the powers.

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::candidate::Candidate;
 use super::correlation::Correlation;
-use super::experiment::Experiment;
+use super::experiment::{Experiment, Output};
 use super::fit::Fitted;
 use super::intervals::Known;
 use super::limits::{Blind, Limit, best_places};
@@ -38,18 +38,21 @@ impl Stage {
     }
 }
 
-/// What is left is as large as the noise, unless that is told too large: by so much less it is not by chance.
+/// What is left is as large as the noise, unless that is told too large: by so much less it is not by chance,
 const FAR_LESS: f64 = 0.5;
+/// nor by so much more, where it looks like noise, or where that many times more is left of the data held back.
+const FAR_MORE: f64 = 2.0;
 
 impl Outcome {
     /// What the reader should doubt, in sentences: ranges at whose end the patch stands, more noise than there can be, a solver that
-    /// errs by more than it should, and what the experiment was warned of.
+    /// errs by more than it should, what is left that only looks like noise, and what the experiment was warned of.
     pub fn doubts(&self, experiment: &Experiment) -> Vec<String> {
         let warnings = experiment.warnings.findings.iter();
         let warned =
             warnings.map(|own| format!("Of the experiment ({}): {}.", own.code.as_str(), own.message));
         let coarse = (!self.fineness.is_enough()).then(|| self.fineness.sentence());
-        self.at_ends().into_iter().chain(self.noises(experiment)).chain(coarse).chain(warned).collect()
+        let noises = self.noises(experiment).into_iter().chain(self.louder(experiment));
+        self.at_ends().into_iter().chain(noises).chain(coarse).chain(warned).collect()
     }
 
     /// Which parameters of the patch stand at an end of their ranges, where something seems to be missing: as it was, or beside
@@ -86,6 +89,40 @@ impl Outcome {
             )
         });
         doubt.collect()
+    }
+
+    /// Of which outputs more is left than noise, although it looks like that, or although it does not in training.
+    fn louder(&self, experiment: &Experiment) -> Vec<String> {
+        let stage = self.told();
+        let is_settled = self.verdict.has_names() || self.verdict == Verdict::NothingMissing;
+        if !is_settled || stage.leaves_structure() {
+            return Vec::new();
+        }
+        let of = |(place, output): (usize, &Output)| {
+            let [train, test] = [&stage.train, &stage.test].map(|fitted| over_sigma(fitted, place));
+            let loud = (train > FAR_MORE).then(|| {
+                format!(
+                    "What is left of {} is {} times its noise, although it looks like noise: there is more noise in these data than that, or something too fast for them.",
+                    output.signal,
+                    number(train)
+                )
+            });
+            let held = (test > FAR_MORE * train.max(1.0)).then(|| {
+                format!(
+                    "Of {} {} times its noise is left of the data held back, and {} in training: what holds there has changed by then.",
+                    output.signal,
+                    number(test),
+                    number(train)
+                )
+            });
+            loud.into_iter().chain(held)
+        };
+        experiment.outputs.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// The effects that were not tried, as the patch has no place for them, in a sentence; nothing where it has for all.
+    pub fn nowhere_told(&self) -> Option<String> {
+        (!self.nowhere.is_empty()).then(|| format!("The patch has no place for {}.", self.nowhere.join(", ")))
     }
 
     /// The stage that is told of: the last one where something is named, else the patch as it was.
@@ -176,6 +213,7 @@ impl Outcome {
             "effects": effects.collect::<Vec<_>>(),
             "rivals": rivals.collect::<Vec<_>>(),
             "left_out": left_out.collect::<Vec<_>>(),
+            "nowhere": self.nowhere,
             "gap": {
                 "before": gaps(problem, &self.base),
                 "after": gaps(problem, self.told()),
@@ -184,7 +222,7 @@ impl Outcome {
             "correlations": self.correlations.iter().map(Correlation::document).collect::<Vec<_>>(),
             "rounds": self.rounds.iter().enumerate().map(|(place, round)| round_document(place + 1, round)).collect::<Vec<_>>(),
             "why": self.blind.as_ref().map(Blind::sentence),
-            "solver": {"steps": self.fineness.steps, "error": self.fineness.error},
+            "solver": {"steps": self.fineness.steps, "error": self.fineness.error, "wanted": self.fineness.wanted},
             "other_starts": self.agreement.document(),
             "parameters": parameters(self.told()),
             "separate": self.separating.as_ref().map(Separating::document),

@@ -77,12 +77,14 @@ pub struct Outcome {
     pub correlations: Vec<Correlation>,
     /// Where and when something is missing in the patch as it was; of no junction where nothing is.
     pub whereabouts: Vec<Whereabouts>,
-    /// The smallest effects that the first round would have found.
+    /// The weakest effects that the first round would have found.
     pub limits: Vec<Limit>,
     /// Why the data cannot judge, where they cannot.
     pub blind: Option<Blind>,
     /// The experiment that would tell two effects apart, where the data cannot.
     pub separating: Option<Separating>,
+    /// The effects that the patch as it was has no place for.
+    pub nowhere: Vec<String>,
     /// How finely the patch that is told of was run.
     pub fineness: Fineness,
 }
@@ -232,6 +234,7 @@ impl Problem {
             fineness: self.fineness(if verdict.has_names() { &last } else { &base })?,
             agreement: self.agreement(&base, with.seed)?,
             correlations: self.correlations(&base)?,
+            nowhere: self.nowhere(&base, with.library)?,
             base: self.with_errors(base)?,
             rounds,
             effects,
@@ -260,6 +263,7 @@ impl Problem {
             limits: Vec::new(),
             blind: Some(why),
             separating: None,
+            nowhere: Vec::new(),
         })
     }
 
@@ -347,6 +351,13 @@ impl Problem {
         let circuit = Circuit::new(&stage.version.patch, &[])?;
         let fed: Vec<&str> = self.drives.iter().map(|feed| feed.drive.as_str()).collect();
         Ok(Sites::of(&circuit, &fed))
+    }
+
+    /// The effects that a stage has no place for.
+    fn nowhere(&self, stage: &Stage, library: &Library) -> Result<Vec<String>, ModelError> {
+        let sites = self.sites(stage)?;
+        let placeless = library.iter().filter(|effect| Attached::all(effect, &sites).is_empty());
+        Ok(placeless.map(|effect| effect.name.clone()).collect())
     }
 
     fn verdict(&self, stage: &Stage, rounds: &[Round], left: f64, is_blind: bool) -> Verdict {

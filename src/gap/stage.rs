@@ -600,7 +600,7 @@ impl Peaks {
                 self.of(&junction.own.signal).map(|own| own.map(|end| 20.0 * end / self.length))
             }
         };
-        place.largest(ends, [self.interval, self.length])
+        place.largest(ends, self.interval, self.length)
     }
 }
 

@@ -22,7 +22,7 @@ pub struct Fineness {
     /// By how much runs with twice as many differ at most in an output of a record, rms over the noise; infinite where they
     /// come to no end.
     pub error: f64,
-    /// What was to be reached: a tenth of the noise, or of what is left over that.
+    /// What it should keep below: a tenth of the noise, or of what is left where that is more.
     pub wanted: f64,
 }
 
@@ -35,12 +35,17 @@ impl Fineness {
     /// The same in words.
     pub fn sentence(&self) -> String {
         let steps = if self.steps == 1 { "1 step".to_owned() } else { format!("{} steps", self.steps) };
-        let error = match self.error.is_finite() {
-            true => format!("errs by {} times the noise, rms", number(self.error)),
-            false => "errs by no one knows how much: with twice as many the patch cannot be run".to_owned(),
-        };
-        let more = if self.is_enough() { "" } else { ", and was to err by a tenth of what is left at most" };
-        format!("The solver takes {steps} from sample to sample and {error}{more}.")
+        let takes = format!("The solver takes {steps} from sample to sample");
+        if self.error.is_infinite() {
+            return format!(
+                "{takes}; what it errs by is not known, as the patch cannot be run with twice as many."
+            );
+        }
+        let errs = format!("{takes} and errs by {} times the noise, rms", number(self.error));
+        match self.is_enough() {
+            true => format!("{errs}."),
+            false => format!("{errs}; it should keep below {}.", number(self.wanted)),
+        }
     }
 }
 
@@ -52,7 +57,7 @@ impl Problem {
     pub(super) fn fineness(&self, stage: &Stage) -> Result<Fineness, ModelError> {
         let (version, point) = (&stage.version, &stage.train.point);
         let [coarse, fine] = [1, 2].map(|times| self.stepped(version, point, times * version.steps));
-        let error = coarse?.zip(fine?).map_or(f64::INFINITY, |(coarse, fine)| self.error(&coarse, &fine));
+        let error = self.error(coarse?.as_deref(), fine?.as_deref());
         Ok(Fineness { steps: version.steps, error, wanted: wanted(stage.train.over_noise()) })
     }
 
@@ -91,8 +96,7 @@ impl Problem {
         let (mut steps, mut coarse) = (version.steps, self.stepped(version, at, version.steps)?);
         while steps < MOST_STEPS {
             let fine = self.stepped(version, at, 2 * steps)?;
-            let both = coarse.as_ref().zip(fine.as_ref());
-            if both.is_some_and(|(coarse, fine)| self.error(coarse, fine) < wanted(left)) {
+            if self.error(coarse.as_deref(), fine.as_deref()) < wanted(left) {
                 return Ok(Some(steps));
             }
             (steps, coarse) = (2 * steps, fine);
@@ -112,8 +116,9 @@ impl Problem {
         Ok(courses.into_iter().collect())
     }
 
-    /// By how much two runs differ at most in an output of a record, rms over the noise.
-    fn error(&self, coarse: &[Course], fine: &[Course]) -> f64 {
+    /// By how much two runs differ at most in an output of a record, rms over the noise; infinite where there is but one.
+    fn error(&self, coarse: Option<&[Course]>, fine: Option<&[Course]>) -> f64 {
+        let Some((coarse, fine)) = coarse.zip(fine) else { return f64::INFINITY };
         let pairs =
             coarse.iter().zip(fine).flat_map(|(coarse, fine)| coarse.iter().zip(fine).zip(&self.sigma));
         let errs = pairs.map(|((coarse, fine), sigma)| rms_difference(coarse, fine) / sigma);
@@ -198,9 +203,15 @@ pub(in crate::gap) mod tests {
             problem.fineness(&stage).unwrap()
         };
         let fine = told(1e-3);
-        assert!(fine.is_enough() && fine.error < 0.1 && !fine.sentence().contains("was to"), "{fine:?}");
+        assert!(fine.is_enough() && fine.error < 0.1 && !fine.sentence().contains("should"), "{fine:?}");
         // No steps come to noise as little as this.
         let coarse = told(1e-12);
-        assert!(!coarse.is_enough() && coarse.sentence().contains("was to err by a tenth"), "{coarse:?}");
+        assert!(!coarse.is_enough() && coarse.sentence().contains("; it should keep below 0."), "{coarse:?}");
+        let unknown = Fineness { steps: 1, error: f64::INFINITY, wanted: 0.1 };
+        assert!(!unknown.is_enough());
+        assert_eq!(
+            unknown.sentence(),
+            "The solver takes 1 step from sample to sample; what it errs by is not known, as the patch cannot be run with twice as many."
+        );
     }
 }

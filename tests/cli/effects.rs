@@ -64,12 +64,9 @@ fn what_is_wrong_with_an_effect_is_told_of_its_own_file() {
         ("sum / position^3", "sum + position", "no product of powers"),
         ("[-1, -0.05, 0.3]", "[-1, 30]", "a fit begins at 30, outside the range -10 ... 10"),
         ("[-1, -0.05, 0.3]", "[]", "\"start\" lists no value"),
-        ("[-10, 10]", "[-10, 1e300]", "counts in reaches: it ends at 1000000 at most"),
-        (
-            "sum / position^3",
-            "sum / position^3e9",
-            "a parameter of this form is measured in what no number can hold",
-        ),
+        ("[-10, 10]", "[-1e300, 10]", "counts in reaches and goes to 1000000 at most"),
+        ("[-10, 10]", "[-10, 1e300]", "counts in reaches and goes to 1000000 at most"),
+        ("sum / position^3", "sum / position^3e9", "nothing can be measured in that"),
         (
             "\"title\": \"Cubic stiffness\"",
             "\"title\": \" \"",

@@ -1,4 +1,4 @@
-//! A few of the effects of the program, so that a search takes seconds.
+//! A library of a few of the program's effects.
 
 use std::fs;
 use std::path::Path;

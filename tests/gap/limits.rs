@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use patchcord::gap::Experiment;
-use patchcord::gap::limits::{Blind, Limit};
+use patchcord::gap::limits::{Blind, Limit, best_places};
 use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::stage::Problem;
 use serde_json::{Value, json};
@@ -71,6 +71,9 @@ fn what_would_have_shown_is_told() {
         sentence.starts_with("nothing is missing that these data would show; the weakest "),
         "{sentence}"
     );
+    let told = best_places(&found.limits)[0];
+    let value = format!(" that would have shown has {} = {}", told.parameter, told.told().unwrap());
+    assert!(sentence.ends_with(&value), "{sentence}");
 }
 
 /// So many samples of an oscillator that swings so far while a force so large is told.

@@ -107,7 +107,7 @@ fn augmented() -> Patch {
     let library = library::of(&["friction-memory"]);
     let all = Attached::all(library.get("friction-memory").unwrap(), &sites);
     let attached = all.iter().find(|attached| attached.reads() == ["spring_force"]).unwrap();
-    let largest = attached.place.largest(|role| Some([0.0, 10.0 * role.per_volt()]), [1e-3, 1.0]);
+    let largest = attached.place.largest(|role| Some([0.0, 10.0 * role.per_volt()]), 1e-3, 1.0);
     Candidate::new(attached, &patch, &largest, &[]).unwrap().unwrap().graft.patch
 }
 
@@ -139,4 +139,30 @@ fn from_fig_8_14_the_memory_is_named_where_the_thesis_has_it() {
     // Behind the square it would be another law.
     let behind = found.rounds[0].trials.iter().find(|trial| trial.candidate.junction == "M1").unwrap();
     assert!(behind.stage.gap() > 4.0);
+}
+
+#[test]
+fn from_fig_8_4_friction_that_falls_and_remembers_is_found_and_runs_like_fig_8_16() {
+    let (_, found) = searched("fig-8-04", &FRICTION);
+    assert_eq!(found.sentence(), "friction-memory at A3 is missing");
+    found_near(&found, &RENAMED[..6], 0.01);
+    // Each of the thesis's steps adds to the one before and leaves less.
+    let best = |effect: &str, reads: &[&str]| {
+        let own = found.rounds[0].trials.iter().filter(|trial| trial.candidate.effect == effect);
+        let own = own.filter(|trial| trial.candidate.reads == reads).map(|trial| trial.stage.gap());
+        own.fold(f64::INFINITY, f64::min)
+    };
+    let steps = [
+        found.base.gap(),
+        best("coulomb-friction", &[]),
+        best("stribeck-friction", &[]),
+        best("friction-memory", &[]),
+        best("friction-memory", &["spring_force"]),
+    ];
+    assert!(steps.windows(2).all(|pair| pair[1] < pair[0]) && steps[4].is_finite(), "{steps:?}");
+    let stage = found.told();
+    let values = stage.version.fit.iter().map(String::as_str).zip(stage.train.point.knobs.iter().copied());
+    let run = commanded(&stage.version.patch, &values.collect::<Vec<_>>());
+    let near = apart(&run, &commanded(&thesis("fig-8-16"), &TRUTH));
+    assert!(near < 0.03, "{near}");
 }

@@ -6,7 +6,7 @@ use indexmap::IndexMap;
 use serde_json::{Map, Value};
 
 use super::{Attachment, Effect, EffectParameter, Form, Gives, Reads, Start};
-use crate::gap::reach::{NAMES, is_product};
+use crate::gap::reach::{NAMES, of_tens};
 use crate::patch::fields::{Fields, Findings, list, number, word, words, wrong_type};
 use crate::patch::tree::{self, Content, Node};
 use crate::patch::{Code, Diagnostic, Formula, Placed, Report, Span, formula_at, suggestion, unit_of};
@@ -37,22 +37,14 @@ fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> 
         let message = "this program reads version 1 of the format of effects";
         findings.push(Diagnostic::at(Code::UnknownVersion, version.span, message));
     }
-    let mut told = |key, meaning| {
-        let node = fields.need(key, meaning);
-        let text = node.and_then(|node| word(node, key, findings));
-        if let Some(text) = text.as_ref().filter(|text| text.value.trim().is_empty()) {
-            let message = format!("\"{key}\" is empty: it tells {meaning}");
-            findings.push(Diagnostic::at(Code::MissingKey, text.span, message));
-        }
-        text.map_or_else(String::new, |text| text.value)
-    };
     let [title, law, physics, source, excitation] = [
-        told("title", "what people call it"),
-        told("law", "its formula"),
-        told("physics", "its physics in a sentence"),
-        told("source", "where it is from"),
-        told("excitation", "what data must hold for it to be judged"),
-    ];
+        ("title", "what people call it"),
+        ("law", "its formula"),
+        ("physics", "its physics in a sentence"),
+        ("source", "where it is from"),
+        ("excitation", "what data must hold for it to be judged"),
+    ]
+    .map(|(key, meaning)| told(fields.need(key, meaning), key, meaning, findings));
     let mut aliases = IndexMap::new();
     fields.each("aliases", findings, |entry, findings| {
         let when = word(&entry.value, &entry.key, findings);
@@ -76,6 +68,16 @@ fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> 
     Some(Effect { name, title, law, physics, source, excitation, aliases, parameters, forms })
 }
 
+/// A text that readers of a report are told.
+fn told(node: Option<&Node>, key: &str, meaning: &str, findings: &mut Findings) -> String {
+    let Some(text) = node.and_then(|node| word(node, key, findings)) else { return String::new() };
+    if text.value.trim().is_empty() {
+        let message = format!("\"{key}\" is empty: it tells {meaning}");
+        findings.push(Diagnostic::at(Code::MissingKey, text.span, message));
+    }
+    text.value
+}
+
 /// A parameter, with the place of its reach.
 fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<Placed<EffectParameter>> {
     let mut fields = Fields::of(node, format!("parameter {name}"), findings)?;
@@ -83,7 +85,7 @@ fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<Placed<
         fields.need("reach", "what it is measured in, as a formula of what is largest: \"sum / own\"");
     let reach = reach.and_then(|node| formula_at(node, "reach", findings));
     let range = fields.need("range", "the least and the largest value searched, in reaches");
-    let range = range.and_then(|node| pair(node, "range", findings));
+    let range = range.and_then(|node| range_of(node, findings));
     let start = fields.need(
         "start",
         "the values from which fits begin, in reaches, or \"spectrum\", \"highest\", \"lowest\"",
@@ -94,10 +96,8 @@ fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<Placed<
     fields.finish(findings);
     let Placed { value: reach, span } = reach?;
     let is_known = reach.names().iter().all(|name| NAMES.contains(name));
-    if is_known && !is_product(&reach) {
-        let message = format!("{} is no product of powers of what is largest", reach.text());
-        let hint = "write it like \"sum / own^2\"";
-        findings.push(Diagnostic::at(Code::BadNumber, span, message).hint(hint));
+    if is_known {
+        check_size(&reach, span, findings);
     }
     if matches!(start, Some(Start::Highest | Start::Lowest)) && reach.names() != [reach.text()] {
         let message =
@@ -113,28 +113,42 @@ fn parameter(node: &Node, name: &str, findings: &mut Findings) -> Option<Placed<
     Some(Placed { value, span })
 }
 
+/// Of quantities of ten a reach comes to no more than this, and to no less than one by this.
+const MOST_OF_TENS: f64 = 1e12;
+
+fn check_size(reach: &Formula, span: Span, findings: &mut Findings) {
+    let text = reach.text();
+    let (message, hint) = match of_tens(reach) {
+        None => {
+            (format!("{text} is no product of powers of what is largest"), "write it like \"sum / own^2\"")
+        }
+        Some(size) if !(1.0 / MOST_OF_TENS..=MOST_OF_TENS).contains(&size) => (
+            format!("{text} comes to {size} where all that it names is ten: nothing can be measured in that"),
+            "take smaller powers",
+        ),
+        Some(_) => return,
+    };
+    findings.push(Diagnostic::at(Code::BadNumber, span, message).hint(hint));
+}
+
 /// No parameter is searched further than this, in reaches.
 const MOST_REACHES: f64 = 1e6;
 
-fn pair(node: &Node, key: &str, findings: &mut Findings) -> Option<[f64; 2]> {
-    let numbers: Vec<_> = list(node, key, findings)?.iter().map(|node| number(node, key, findings)).collect();
-    let pair = <[Option<f64>; 2]>::try_from(numbers).ok();
-    let pair = pair.map(|[low, high]| (low, high));
-    match pair {
-        Some((Some(low), Some(high))) if low.min(-high) < -MOST_REACHES => {
-            let message =
-                format!("\"{key}\" counts in reaches: it ends at {MOST_REACHES} at most, to either side");
-            findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
-            None
+fn range_of(node: &Node, findings: &mut Findings) -> Option<[f64; 2]> {
+    let nodes = list(node, "range", findings)?;
+    let numbers: Vec<_> = nodes.iter().map(|node| number(node, "range", findings)).collect();
+    let message = match *numbers.as_slice() {
+        [Some(low), Some(high)] if low < high && low.abs().max(high.abs()) <= MOST_REACHES => {
+            return Some([low, high]);
         }
-        Some((Some(low), Some(high))) if low < high => Some([low, high]),
-        Some((None, _) | (_, None)) => None,
-        _ => {
-            let message = format!("\"{key}\" takes two numbers, the second above the first");
-            findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
-            None
+        [Some(low), Some(high)] if low < high => {
+            format!("\"range\" counts in reaches and goes to {MOST_REACHES} at most, up or down")
         }
-    }
+        [None, _] | [_, None] => return None,
+        _ => "\"range\" takes two numbers, the second above the first".to_owned(),
+    };
+    findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+    None
 }
 
 /// A number within the range, or its upper end.
@@ -143,7 +157,7 @@ fn none_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Opt
         Content::Text(text) if text == "upper" => range.map(|[_, high]| high),
         _ => number(node, "none", findings),
     };
-    check_within(none?, range, node.span, findings, "there is no effect");
+    check_within(none?, range, node.span, "there is no effect", findings);
     none
 }
 
@@ -165,13 +179,13 @@ fn start_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Op
         findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
     }
     for (value, node) in values.iter().zip(nodes) {
-        check_within(*value, range, node.span, findings, "a fit begins");
+        check_within(*value, range, node.span, "a fit begins", findings);
     }
     Some(Start::Values(values))
 }
 
-/// A value of a parameter lies in its range, where that could be read.
-fn check_within(value: f64, range: Option<[f64; 2]>, span: Span, findings: &mut Findings, what: &str) {
+/// Tells where a value lies outside the range; a range that cannot be read is told elsewhere.
+fn check_within(value: f64, range: Option<[f64; 2]>, span: Span, what: &str, findings: &mut Findings) {
     let Some([low, high]) = range.filter(|[low, high]| !(*low..=*high).contains(&value)) else { return };
     let message = format!("{what} at {value}, outside the range {low} ... {high}");
     findings.push(Diagnostic::at(Code::BadNumber, span, message));

@@ -184,8 +184,8 @@ fn without_neighbours(differences: &[f64], limit: f64, order: usize) -> Vec<f64>
 
 #[cfg(test)]
 mod tests {
-    use super::super::dice::normal;
     use super::*;
+    use crate::gap::dice::normal;
 
     /// A smooth curve with kinks and a step, 60 samples to its fastest period.
     fn curve(count: usize) -> Vec<f64> {

@@ -47,8 +47,8 @@ fn step(gaps: &[f64], near: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dice::normal;
     use super::*;
+    use crate::gap::dice::normal;
 
     #[test]
     fn rounded_samples_show_their_step() {

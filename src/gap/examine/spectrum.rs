@@ -106,8 +106,8 @@ fn transform(real: &mut [f64], imaginary: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dice::normal;
     use super::*;
+    use crate::gap::dice::normal;
 
     #[test]
     fn the_transform_is_the_sum_of_its_definition() {

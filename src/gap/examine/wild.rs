@@ -26,8 +26,8 @@ pub(in crate::gap) fn wild(samples: &[f64], noise: f64) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dice::normal;
     use super::*;
+    use crate::gap::dice::normal;
 
     fn curve() -> Vec<f64> {
         let noise = normal(3, 400).into_iter().enumerate();

@@ -11,7 +11,7 @@ pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
     Ok(format!(
         "<section>\n<h2>The patch as it is</h2>\n<p>{} is fitted to the training data: its parameters, and the voltages with which its integrators begin. \
          So it stands in <a href=\"fitted.json\">fitted.json</a>. \
-         What it leaves is {} times the noise (rms); on the data held back, where only those voltages are fitted, {}. Besides, {}.</p>\n{}{}{}</section>\n",
+         What it leaves is {} times the noise (rms); on the data held back, where only those voltages and declared offsets are fitted, {}. Besides, {}.</p>\n{}{}{}</section>\n",
         escaped(told.experiment.patch.file()),
         over_noise(&stage.train),
         over_noise(&stage.test),

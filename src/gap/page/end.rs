@@ -18,8 +18,8 @@ pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
     );
     let fineness = &told.outcome.fineness;
     let fine = fineness.is_enough().then(|| fineness.sentence());
-    let doubts = fine.into_iter().chain(told.outcome.doubts(told.experiment)).collect::<Vec<_>>();
-    text.extend(doubts.iter().map(|own| format!("<p>{}</p>\n", escaped(own))));
+    let notes = fine.into_iter().chain(told.outcome.doubts(told.experiment));
+    text.extend(notes.map(|own| format!("<p>{}</p>\n", escaped(&own))));
     if told.outcome.verdict.has_names() {
         text += &parameters(last);
         // After one round the same pictures stand there.

@@ -12,6 +12,6 @@ pub(super) fn section(limits: &[Limit]) -> String {
     });
     format!(
         "<section>\n<h2>What these data would have shown</h2>\n<p>The weakest of every effect that the first round would have found.</p>\n{}</section>\n",
-        table(&["effect", "at", "reads", "parameter", "the weakest that would have shown", "with"], rows)
+        table(&["effect", "at", "reads", "parameter", "weakest that would have shown", "with"], rows)
     )
 }
