@@ -151,9 +151,14 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     // Every effect that was tried stands on the page, and pictures do; and what was not, and what to do about it.
     assert!(page.contains(untried));
     assert_eq!(report["left_out"].as_array().unwrap().len(), 2);
+    let solver = &report["solver"];
+    assert!(solver["steps"].as_u64().unwrap() >= 1, "{solver}");
+    assert!(solver["error"].as_f64().unwrap() < solver["wanted"].as_f64().unwrap(), "{solver}");
     let why = report["left_out"][0]["why"].as_str().unwrap();
     assert!(why.contains("help: "), "{why}");
     assert!(page.contains("<p class=\"verdict\">saturation at u is missing</p>"));
+    assert!(page.contains("<p>The solver takes "), "how finely it stepped");
+    assert!(page.contains("<p>The patch has no place for "), "what was not tried at all");
     assert!(page.contains(&format!("Round 1: {rivals} effects and places tried")));
     let best = &report["where"][0];
     let curves = best["curves"].as_array().unwrap();

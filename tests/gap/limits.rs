@@ -14,7 +14,11 @@ use super::oscillator::{INTERVAL, measured};
 const EFFECTS: [&str; 4] = ["constant-bias", "coulomb-friction", "hard-stop", "time-delay"];
 
 fn searched(experiment: &Experiment, problem: &Problem) -> Outcome {
-    let library = library::of(&EFFECTS);
+    searched_for(&EFFECTS, experiment, problem)
+}
+
+fn searched_for(effects: &[&str], experiment: &Experiment, problem: &Problem) -> Outcome {
+    let library = library::of(effects);
     let with = Means { library: &library, threads: 2, seed: 1 };
     problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap()
 }
@@ -74,6 +78,46 @@ fn what_would_have_shown_is_told() {
     let told = best_places(&found.limits)[0];
     let value = format!(" that would have shown has {} = {}", told.parameter, told.told().unwrap());
     assert!(sentence.ends_with(&value), "{sentence}");
+}
+
+#[test]
+fn noise_that_is_told_too_small_or_too_large_is_doubted() {
+    let doubts = |times: f64| {
+        let (mut experiment, mut problem) = nothing();
+        problem.sigma[0] *= times;
+        experiment.outputs[0].sigma = Some(problem.sigma[0]);
+        let found = searched_for(&["constant-bias"], &experiment, &problem);
+        assert_eq!(found.verdict, Verdict::NothingMissing);
+        found.doubts(&experiment)
+    };
+    assert_eq!(doubts(1.0), Vec::<String>::new());
+    let loud = doubts(0.25);
+    assert!(
+        loud.len() == 1 && loud[0].contains(" times its noise, although it looks like noise"),
+        "{loud:?}"
+    );
+    let quiet = doubts(4.0);
+    assert!(quiet.len() == 1 && quiet[0].contains(" times the noise that the experiment tells"), "{quiet:?}");
+}
+
+#[test]
+fn what_holds_in_training_only_is_doubted() {
+    let (experiment, mut problem) = nothing();
+    let wild =
+        |(place, x): (usize, &mut f64)| *x += if place % 2 == 0 { 3.0 } else { -3.0 } * problem.sigma[0];
+    problem.test.iter_mut().flat_map(|record| record.outputs[0].iter_mut().enumerate()).for_each(wild);
+    let found = searched_for(&["constant-bias"], &experiment, &problem);
+    let doubts = found.doubts(&experiment);
+    assert!(doubts.iter().any(|own| own.contains("is left of the data held back, and")), "{doubts:?}");
+}
+
+#[test]
+fn where_no_effect_has_a_place_nothing_can_be_judged() {
+    let (experiment, problem) = nothing();
+    let found = searched_for(&["overflow"], &experiment, &problem);
+    assert_eq!((found.verdict, &found.blind), (Verdict::CannotJudge, &Some(Blind::Nowhere)));
+    assert_eq!(found.nowhere_told().unwrap(), "The patch has no place for overflow.");
+    assert_eq!(found.document(&problem)["nowhere"], json!(["overflow"]));
 }
 
 /// So many samples of an oscillator that swings so far while a force so large is told.
