@@ -50,18 +50,16 @@ pub(super) fn known(folder: Option<&Path>) -> Result<Library, Failure> {
     let library = Library::shipped();
     match folder {
         None => Ok(library),
-        Some(folder) => library.and_folder(folder).inspect(tell_replacing).map_err(|error| match error {
+        Some(folder) => library.and_folder(folder).inspect(tell_notes).map_err(|error| match error {
             EffectError::Text(report) => Failure::from(report),
             error => Failure::data(error.to_string()),
         }),
     }
 }
 
-/// Says on standard error which effects of the program are not used.
-fn tell_replacing(library: &Library) {
-    for file in library.replacing() {
-        tell(&format!("note: {file} takes the place of the effect of that name that comes with the program"));
-    }
+/// Says on standard error what is odd about the effects of a folder.
+fn tell_notes(library: &Library) {
+    library.notes().iter().for_each(|note| tell(&format!("note: {note}")));
 }
 
 fn find<'l>(library: &'l Library, name: &str) -> Result<&'l Effect, Failure> {

@@ -58,23 +58,31 @@ fn gaps(problem: &Problem, outcome: &Outcome) -> Table {
 fn place(found: &[Whereabouts]) -> String {
     let Some(sentence) = whereabouts::sentence(found) else { return String::new() };
     let mut text = format!("\n{sentence}\n\n");
-    let mut table = Table::new(["at", "unit", "closes of the gap", "evidence", "goes with"]);
+    let mut table = Table::new(["at", "unit", "closes of the gap over time", "evidence", "goes with"]);
     for own in found {
         let share = format!("{} %", number(100.0 * own.explains));
         let cells = [own.junction.clone(), own.unit.clone(), share, number(own.evidence)];
         let [at, unit, share, evidence] = cells;
-        table.row([at, unit, share, evidence, own.best_against().to_owned()]);
+        table.row([at, unit, share, evidence, goes_with(own)]);
     }
     text += &table.text();
     text
 }
 
+/// What a force goes with, and what the curve over that closes by itself.
+fn goes_with(own: &Whereabouts) -> String {
+    let share =
+        own.best.map(|best| format!(", as which it closes {} %", number(100.0 * own.curves[best].explains)));
+    own.best_against().to_owned() + &share.unwrap_or_default()
+}
+
 /// The weakest of every effect that would have shown.
 fn limits(found: &[Limit]) -> String {
-    let mut table = Table::new(["effect", "at", "parameter", "weakest that would have shown"]);
+    let mut table = Table::new(["effect", "at", "parameter", "weakest that would have shown", "with"]);
     for limit in best_places(found) {
         let from = limit.told().unwrap_or_else(|| "not at all".to_owned());
-        table.row([limit.effect.clone(), limit.junction.clone(), limit.parameter.clone(), from]);
+        let (effect, at, parameter) = (limit.effect.clone(), limit.junction.clone(), limit.parameter.clone());
+        table.row([effect, at, parameter, from, limit.beside()]);
     }
     format!("\nwhat these data would have shown, every effect where it shows best\n\n{}", table.text())
 }

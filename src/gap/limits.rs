@@ -91,6 +91,8 @@ pub enum Blind {
     Few,
     /// A constant explains them as well as the patch does.
     Still,
+    /// What explains the training data does not explain those held back: so many times the noise is left of them.
+    Changed(f64),
     /// No effect could be tried.
     Nowhere,
     /// No effect that was tried would show, however strong.
@@ -105,6 +107,10 @@ impl Blind {
         match self {
             Blind::Few => "they are no more than the numbers that are fitted".to_owned(),
             Blind::Still => "nothing moves in them beyond the noise".to_owned(),
+            Blind::Changed(left) => format!(
+                "what holds in training does not hold in the data held back, of which {} times the noise is left: something has changed by then",
+                number(*left)
+            ),
             Blind::Nowhere => {
                 "no effect found a place in the patch, whose integrators have to give signals with scales"
                     .to_owned()
@@ -115,6 +121,9 @@ impl Blind {
     }
 }
 
+/// By chance data held back leave less than so many times what training leaves, or than the noise.
+pub(super) const CHANGED: f64 = 2.0;
+
 impl Problem {
     /// Why the data cannot judge a patch that leaves nothing but noise; nothing where they can.
     pub(super) fn is_blind(&self, base: &Stage, rounds: &[Round], limits: &[Limit]) -> Option<Blind> {
@@ -124,6 +133,10 @@ impl Problem {
         let needed = rounds.first().map_or(0.0, |round| round.needed);
         if self.motion(base) < needed * base.memory {
             return Some(Blind::Still);
+        }
+        let held = base.test.over_noise();
+        if held > CHANGED * base.train.over_noise().max(1.0) {
+            return Some(Blind::Changed(held));
         }
         if rounds.iter().all(|round| round.trials.is_empty()) {
             return Some(Blind::Nowhere);

@@ -7,7 +7,7 @@ use super::correlation::Correlation;
 use super::experiment::{Experiment, Output};
 use super::fit::Fitted;
 use super::intervals::Known;
-use super::limits::{Blind, Limit, best_places};
+use super::limits::{Blind, CHANGED, Limit, best_places};
 use super::record::Record;
 use super::round::{LeftOut, Round, Trial};
 use super::score::Advantage;
@@ -40,19 +40,25 @@ impl Stage {
 
 /// What is left is as large as the noise, unless that is told too large: by so much less it is not by chance,
 const FAR_LESS: f64 = 0.5;
-/// nor by so much more, where it looks like noise, or where that many times more is left of the data held back.
+/// nor by so much more, where it looks like noise.
 const FAR_MORE: f64 = 2.0;
 
 impl Outcome {
     /// What the reader should doubt, in sentences: ranges at whose end the patch stands, more noise than there can be, a solver that
-    /// errs by more than it should, what is left that only looks like noise, and what the experiment was warned of.
+    /// errs by more than it should, what is left that only looks like noise, integrators without a signal,
+    /// and what the experiment was warned of.
     pub fn doubts(&self, experiment: &Experiment) -> Vec<String> {
         let warnings = experiment.warnings.findings.iter();
         let warned =
             warnings.map(|own| format!("Of the experiment ({}): {}.", own.code.as_str(), own.message));
         let coarse = (!self.fineness.is_enough()).then(|| self.fineness.sentence());
         let noises = self.noises(experiment).into_iter().chain(self.louder(experiment));
-        self.at_ends().into_iter().chain(noises).chain(coarse).chain(warned).collect()
+        let nameless = self.nameless.iter().map(|own| {
+            format!(
+                "{own} gives no signal with a scale, so that nothing was tried there: name what it gives under \"signals\"."
+            )
+        });
+        self.at_ends().into_iter().chain(noises).chain(nameless).chain(coarse).chain(warned).collect()
     }
 
     /// Which parameters of the patch stand at an end of their ranges, where something seems to be missing: as it was, or beside
@@ -107,7 +113,7 @@ impl Outcome {
                     number(train)
                 )
             });
-            let held = (test > FAR_MORE * train.max(1.0)).then(|| {
+            let held = (test > CHANGED * train.max(1.0)).then(|| {
                 format!(
                     "Of {} {} times its noise is left of the data held back, and {} in training: what holds there has changed by then.",
                     output.signal,
@@ -271,7 +277,7 @@ impl Round {
     pub fn sentence(&self) -> String {
         let Some(best) = self.trials.first() else { return "nothing fits".to_owned() };
         let held = format!(
-            "on the data held back it lowers the sum of squares, in those of the noise, by {} ± {}",
+            "on the data held back it lowers the sum of squares by {} ± {} times that of the noise",
             number(self.confirmed.sum),
             number(self.confirmed.error)
         );

@@ -85,6 +85,8 @@ pub struct Outcome {
     pub separating: Option<Separating>,
     /// The effects that the patch as it was has no place for.
     pub nowhere: Vec<String>,
+    /// The integrators of that patch at which none was tried, as they give no signal.
+    pub nameless: Vec<String>,
     /// How finely the patch that is told of was run.
     pub fineness: Fineness,
 }
@@ -222,6 +224,7 @@ impl Problem {
         if is_doubtful && !is_sure(&base, &last, &rounds) && is_a_curve(&whereabouts, left) {
             verdict = Verdict::UnknownEffect;
         }
+        let sites = self.sites(&base)?;
         let is_ambiguous = verdict == Verdict::Ambiguous;
         let separating = if is_ambiguous { self.separating(&rounds)? } else { None };
         for round in &mut rounds {
@@ -234,7 +237,8 @@ impl Problem {
             fineness: self.fineness(if verdict.has_names() { &last } else { &base })?,
             agreement: self.agreement(&base, with.seed)?,
             correlations: self.correlations(&base)?,
-            nowhere: self.nowhere(&base, with.library)?,
+            nowhere: nowhere(&sites, with.library),
+            nameless: sites.nameless,
             base: self.with_errors(base)?,
             rounds,
             effects,
@@ -264,6 +268,7 @@ impl Problem {
             blind: Some(why),
             separating: None,
             nowhere: Vec::new(),
+            nameless: Vec::new(),
         })
     }
 
@@ -351,13 +356,6 @@ impl Problem {
         let circuit = Circuit::new(&stage.version.patch, &[])?;
         let fed: Vec<&str> = self.drives.iter().map(|feed| feed.drive.as_str()).collect();
         Ok(Sites::of(&circuit, &fed))
-    }
-
-    /// The effects that a stage has no place for.
-    fn nowhere(&self, stage: &Stage, library: &Library) -> Result<Vec<String>, ModelError> {
-        let sites = self.sites(stage)?;
-        let placeless = library.iter().filter(|effect| Attached::all(effect, &sites).is_empty());
-        Ok(placeless.map(|effect| effect.name.clone()).collect())
     }
 
     fn verdict(&self, stage: &Stage, rounds: &[Round], left: f64, is_blind: bool) -> Verdict {
@@ -455,6 +453,12 @@ impl Problem {
         round.left_out = left_out;
         Ok(round)
     }
+}
+
+/// The effects for which there is no place.
+fn nowhere(sites: &Sites, library: &Library) -> Vec<String> {
+    let placeless = library.iter().filter(|effect| Attached::all(effect, sites).is_empty());
+    placeless.map(|effect| effect.name.clone()).collect()
 }
 
 /// Whether a stage leaves structure, and such a share of the gap that this is no small matter.

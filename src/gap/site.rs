@@ -79,16 +79,21 @@ pub struct Sites {
     pub drives: Vec<Reading>,
     /// Named signals on the way to a brake or to the bias of a dead zone.
     pub levels: Vec<Reading>,
+    /// Integrators of the patch itself that give no signal with a scale, so that nothing is known to act there.
+    pub nameless: Vec<String>,
 }
 
 impl Sites {
     /// The places of a circuit of which these drives are fed.
     pub fn of(circuit: &Circuit, fed: &[&str]) -> Sites {
         let wiring = Wiring::of(circuit);
-        let integrators = wiring.of_kind("integrator");
+        let integrators: Vec<usize> = wiring.of_kind("integrator").collect();
+        let is_nameless = |element: &&usize| wiring.own(**element).is_none();
+        let nameless = integrators.iter().filter(is_nameless).map(|element| wiring.name(*element).to_owned());
         let drives = fed.iter().filter_map(|name| wiring.drive(wiring.named(name)?));
         Sites {
-            junctions: integrators.filter_map(|element| wiring.junction(element)).collect(),
+            junctions: integrators.iter().filter_map(|element| wiring.junction(*element)).collect(),
+            nameless: nameless.filter(|name| !name.contains('.')).collect(),
             drives: drives.collect(),
             levels: wiring.levels(),
         }

@@ -33,6 +33,8 @@ pub struct Agreement {
     pub left: f64,
     /// Whether that is the same.
     pub is_same: bool,
+    /// Whether runs begin anew in each of them, as where the patch itself was fitted so first.
+    pub in_pieces: bool,
 }
 
 impl Problem {
@@ -47,7 +49,8 @@ impl Problem {
         let task = self.task(&model, records, true);
         let in_pieces = stage.in_pieces.as_ref().and_then(|point| task.told(point));
         let best = in_pieces.as_ref().unwrap_or(&stage.train).chi2;
-        let mut agreement = Agreement { tried: 0, left: f64::INFINITY, is_same: false };
+        let mut agreement =
+            Agreement { tried: 0, left: f64::INFINITY, is_same: false, in_pieces: in_pieces.is_some() };
         for point in scattered(&model, &first, seed.wrapping_add(1)) {
             agreement.tried += 1;
             let Some(fitted) = task.settled(&point).and_then(|point| task.fit(&point)) else { continue };
@@ -77,6 +80,11 @@ impl Agreement {
 
     /// The same as a JSON document.
     pub fn document(&self) -> Value {
-        json!({"same": self.is_same, "tried": self.tried, "left": self.left.is_finite().then_some(self.left)})
+        json!({
+            "same": self.is_same,
+            "tried": self.tried,
+            "left": self.left.is_finite().then_some(self.left),
+            "in_pieces": self.in_pieces,
+        })
     }
 }

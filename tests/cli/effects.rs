@@ -49,7 +49,8 @@ fn what_is_wrong_with_an_effect_is_told_of_its_own_file() {
             "\"kind\": \"inverted\"",
             "this form cannot be wired: there is no kind \"inverted\"",
         ),
-        ("0.5 + 5000 * k3 * position^3 / sum / G", "0.5 + k4", "this form cannot be wired"),
+        ("0.5 + 5000 * k3 * position^3 / sum / G", "0.5 + k4 + k3", "this form cannot be wired"),
+        ("0.5 + 5000 * k3 * position^3 / sum / G", "0.5", "no element and no drive of this form has k3 in"),
         ("10000 * abs(k3)", "10000 * abs(k4)", "worked out from k4, which the form has not"),
         ("\"none\": 0", "\"none\": 20", "no effect at 20, outside the range -10 ... 10"),
         ("[-1, -0.05, 0.3]", "\"hihgest\"", "\"hihgest\" is none of spectrum, highest, lowest"),
@@ -76,6 +77,17 @@ fn what_is_wrong_with_an_effect_is_told_of_its_own_file() {
         let told = told(from, to);
         assert!(told.contains(wanted) && told.contains("own.json:"), "{told}");
     }
+}
+
+#[test]
+fn an_alias_that_is_no_effect_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = std::fs::read_to_string("patches/effects/drift.json").unwrap();
+    let own = own.replacen("\"aliases\": {", "\"aliases\": {\"no-such\": \"ever\", ", 1);
+    std::fs::write(folder.path().join("creep.json"), own).unwrap();
+    let told = patchcord(&["effects", "--effects", folder.path().to_str().unwrap()]);
+    assert_eq!(errors(&told), "note: creep has the alias no-such, which is no effect\n");
+    assert_eq!(code(&told), 0);
 }
 
 #[test]

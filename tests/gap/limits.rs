@@ -6,6 +6,7 @@ use patchcord::gap::Experiment;
 use patchcord::gap::limits::{Blind, Limit, best_places};
 use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::stage::Problem;
+use patchcord::patch::Patch;
 use serde_json::{Value, json};
 
 use super::library;
@@ -101,14 +102,27 @@ fn noise_that_is_told_too_small_or_too_large_is_doubted() {
 }
 
 #[test]
-fn what_holds_in_training_only_is_doubted() {
+fn what_holds_in_training_only_cannot_be_judged() {
     let (experiment, mut problem) = nothing();
     let wild =
         |(place, x): (usize, &mut f64)| *x += if place % 2 == 0 { 3.0 } else { -3.0 } * problem.sigma[0];
     problem.test.iter_mut().flat_map(|record| record.outputs[0].iter_mut().enumerate()).for_each(wild);
     let found = searched_for(&["constant-bias"], &experiment, &problem);
+    assert_eq!(found.verdict, Verdict::CannotJudge);
+    assert!(found.sentence().ends_with("something has changed by then"), "{}", found.sentence());
+}
+
+#[test]
+fn an_integrator_that_gives_no_signal_is_told() {
+    let (mut experiment, problem) = nothing();
+    let mut document = experiment.patch.value().clone();
+    document["signals"].as_object_mut().unwrap().retain(|name, _| name == "x");
+    experiment.patch = Patch::parse("nameless.json", &document.to_string()).unwrap();
+    let found = searched_for(&["constant-bias"], &experiment, &problem);
     let doubts = found.doubts(&experiment);
-    assert!(doubts.iter().any(|own| own.contains("is left of the data held back, and")), "{doubts:?}");
+    let is_told =
+        |own: &String| own.starts_with("IV gives no signal with a scale, so that nothing was tried there");
+    assert!(doubts.iter().any(is_told), "{doubts:?}");
 }
 
 #[test]

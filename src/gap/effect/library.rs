@@ -16,8 +16,8 @@ static SHIPPED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/effects.rs
 #[derive(Debug, Clone, Default)]
 pub struct Library {
     effects: IndexMap<String, Effect>,
-    /// The files of a folder that took the place of effects of the program.
-    replacing: Vec<String>,
+    /// What is odd about the files of a folder, in words.
+    notes: Vec<String>,
 }
 
 /// Why effects could not be read.
@@ -77,9 +77,12 @@ impl Library {
             let effect = Effect::parse(&name, &text)?;
             probe::check(&name, &text, &effect)?;
             if self.add(effect).is_some() {
-                self.replacing.push(name);
+                self.notes.push(format!(
+                    "{name} takes the place of the effect of that name that comes with the program"
+                ));
             }
         }
+        self.notes.extend(self.unknown_aliases());
         Ok(self)
     }
 
@@ -88,9 +91,17 @@ impl Library {
         self.effects.insert(effect.name.clone(), effect)
     }
 
-    /// The files that took the place of effects of the program.
-    pub fn replacing(&self) -> &[String] {
-        &self.replacing
+    /// Aliases that are no effects.
+    fn unknown_aliases(&self) -> Vec<String> {
+        let named = self.iter().flat_map(|own| own.aliases.keys().map(move |alias| (&own.name, alias)));
+        let unknown = named.filter(|(_, alias)| self.get(alias).is_none());
+        unknown.map(|(name, alias)| format!("{name} has the alias {alias}, which is no effect")).collect()
+    }
+
+    /// What is odd about the files of a folder, in words: those that take the place of effects of the program, and aliases
+    /// that are no effects.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// Every effect, in the order of their names.

@@ -236,6 +236,7 @@ fn form(
     let gains = gains.into_iter().map(|(name, gain)| (name, gain.value)).collect();
     let form =
         Form { note, at: at?, signal, reads, gives, times, gains, drives, elements, free, parameters: own };
+    check_used(&form, node, findings);
     check_measures(&form, parameters, findings);
     check_gains(&form, &gains_told, findings);
     Some(form)
@@ -251,6 +252,27 @@ fn times_of(node: &Node, findings: &mut Findings) -> Option<f64> {
         findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
     }
     Some(value)
+}
+
+/// Every parameter of a form has to stand in what it wires: of others no data could tell.
+fn check_used(form: &Form, node: &Node, findings: &mut Findings) {
+    let entries = || form.elements.values().chain(form.drives.values());
+    for unused in form.parameters.iter().filter(|name| !entries().any(|entry| names(entry, name))) {
+        let message = format!("no element and no drive of this form has {unused} in a formula");
+        let hint = "leave it out of the form's \"parameters\", or use it";
+        findings.push(Diagnostic::at(Code::UnknownName, opening(node), message).hint(hint));
+    }
+}
+
+/// Whether anything but the note of an entry has a name among its words.
+fn names(entry: &Value, name: &str) -> bool {
+    let is_apart = |letter: char| !letter.is_alphanumeric() && letter != '_';
+    match entry {
+        Value::String(text) => text.split(is_apart).any(|word| word == name),
+        Value::Array(all) => all.iter().any(|own| names(own, name)),
+        Value::Object(all) => all.iter().any(|(key, own)| key != "note" && names(own, name)),
+        _ => false,
+    }
 }
 
 /// What a gain is worked out from has to be there where the form attaches.
