@@ -193,7 +193,8 @@ fn whose_data_are_there(path: &Path) -> Option<Experiment> {
     let named = text.split('"').filter(|word| word.ends_with(".csv"));
     if let Some(missing) = named.map(|file| Path::new(FOLDER).join(file)).find(|file| !file.exists()) {
         // Past what cargo holds back of tests that pass.
-        writeln!(io::stderr(), "{} is not read: there is no {}", path.display(), missing.display()).unwrap();
+        let mut aloud = io::stderr();
+        writeln!(aloud, "{} is not read: there is no {}", path.display(), missing.display()).unwrap();
         return None;
     }
     Some(Experiment::read(path).unwrap_or_else(|error| panic!("{error}")))
