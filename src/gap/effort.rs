@@ -140,14 +140,14 @@ impl Effort {
 }
 
 /// The beginnings of records, and a model that is run beside no more than these.
-struct Beginnings {
+pub(super) struct Beginnings {
     model: Model,
     records: Vec<Record>,
 }
 
 impl Beginnings {
     /// So large a share of what a task is fitted to; nothing where that is all.
-    fn of(task: &Task<'_>, share: f64) -> Option<Beginnings> {
+    pub(super) fn of(task: &Task<'_>, share: f64) -> Option<Beginnings> {
         (share < 1.0).then(|| {
             let records: Vec<Record> = task.records.iter().map(|record| record.beginning(share)).collect();
             Beginnings { model: task.model.beside(&records), records }
@@ -155,7 +155,7 @@ impl Beginnings {
     }
 
     /// The task of coming near to these.
-    fn task<'b>(&'b self, whole: &Task<'b>) -> Task<'b> {
+    pub(super) fn task<'b>(&'b self, whole: &Task<'b>) -> Task<'b> {
         let (model, records) = (&self.model, self.records.as_slice());
         Task { model, records, wanted: f64::INFINITY, settled: NEARLY_SETTLED, ..*whole }
     }

@@ -136,8 +136,18 @@ fn inflow(time: f64) -> f64 {
 
 /// A hill of force at 0.05 m pushes an oscillator away.
 pub fn oscillator() -> Hidden {
+    Hidden {
+        drive: ("F", |time| {
+            14.0 * (8.0 * time).sin() + 16.0 * (11.3 * time).sin() + 10.0 * (3.1 * time).sin()
+        }),
+        ..pushed(hill)
+    }
+}
+
+/// An oscillator that is pushed by a force over its position.
+fn pushed(force: fn(f64) -> f64) -> Hidden {
     let points: Vec<[f64; 2]> =
-        (-100..=100).map(|volts| [f64::from(volts), hill(0.004 * f64::from(volts)) / 2.0]).collect();
+        (-50..=50).map(|volts| [f64::from(volts), force(0.004 * f64::from(volts)) / 2.0]).collect();
     Hidden {
         system: "oscillator",
         edits: vec![
@@ -146,7 +156,8 @@ pub fn oscillator() -> Hidden {
             (&["elements", "SF", "in", "x1"], json!(["BF", "BG"])),
         ],
         drive: ("F", |time| {
-            14.0 * (8.0 * time).sin() + 16.0 * (11.3 * time).sin() + 10.0 * (3.1 * time).sin()
+            let tones = [(4.0, 2.5), (3.0, 5.7), (3.0, 10.7), (3.0, 14.5), (2.0, 19.5)];
+            tones.iter().map(|(amplitude, speed)| amplitude * (speed * time).sin()).sum()
         }),
         outputs: &[("x", 3e-4)],
         fit: &["M", "k", "c"],
@@ -216,6 +227,23 @@ fn a_hill_of_force_goes_with_position_and_becomes_a_function_generator() {
     let gaps = [&stage, &with].map(|stage| [stage.gap(), stage.test.over_noise()]);
     assert!(gaps[1][0] < 0.3 * gaps[0][0] && gaps[1][1] < 0.3 * gaps[0][1], "{gaps:?}");
     assert!(curve.held_out.unwrap() > 0.9, "{:?}", curve.held_out);
+}
+
+/// The spring grows so much softer to one side that the patch without that falls out of step.
+#[test]
+fn a_curve_that_leads_astray_is_found_through_ever_more_of_the_record() {
+    let spring = |x: f64| -3000.0 * x * x;
+    let (problem, stage) = pushed(spring).fitted();
+    assert!(stage.gap() > 10.0, "{}", stage.gap());
+    let found = problem.whereabouts(&stage, 2).unwrap();
+    assert_eq!((found[0].junction.as_str(), found[0].best_against()), ("IV", "x"));
+    let curve = &found[0].curves[found[0].best.unwrap()];
+    assert!(
+        curve.explains > 0.999 && curve.held_out.unwrap() > 0.9,
+        "{} {:?}",
+        curve.explains,
+        curve.held_out
+    );
 }
 
 #[test]

@@ -34,6 +34,10 @@ const OF_LARGEST: f64 = 0.2;
 const LEAST_HELD: f64 = 0.7;
 /// or be as likely as a force of time. One that closes less of the gap that it is fitted to is none.
 const LEAST_EXPLAINED: f64 = 0.5;
+/// A curve that leaves more than so many times the squares when it is wired in has led astray,
+const ASTRAY: f64 = 2.0;
+/// and is found through such shares of the records, one after the other.
+const GROWN: [f64; 6] = [0.1, 0.2, 0.35, 0.55, 0.75, 1.0];
 /// So many curves are wired in at most.
 const MOST_CLOSED: usize = 2;
 /// A quantity that is asked later, or a curve for each direction, must be better by so much in the logarithm of its likelihood.
@@ -323,6 +327,12 @@ impl At<'_> {
         Ok(None)
     }
 
+    /// Whether a curve leaves far more when it is wired in than over the force of time.
+    fn is_astray(&self, closed: &Found, open: &Curve) -> bool {
+        let leaves_something = closed.chi2 > NOTHING_LEFT * self.stage.train.count as f64;
+        leaves_something && 1.0 - self.explains(closed.chi2) > ASTRAY * (1.0 - open.explains)
+    }
+
     /// A curve as a function generator, which sees what it does itself.
     fn closed(&self, reading: &Reading, curve: &Curve, beside: &Point) -> Result<Option<Closed>, ModelError> {
         let column = |place: usize| curve.points.iter().map(|point| point[place]).collect::<Vec<f64>>();
@@ -338,8 +348,10 @@ impl At<'_> {
         let sought = self.sought(task, Table::Curve(&element), &shape);
         let from_open = Start { point: beside, sought: Some(&numbers) };
         let from_none = Start { point: &self.stage.train.point, sought: None };
-        let found = [from_open, from_none].into_iter().filter_map(|start| sought.find(&start));
-        let Some(found) = found.min_by(|a, b| a.chi2.total_cmp(&b.chi2)) else { return Ok(None) };
+        let nearer = |a: &Found, b: &Found| a.chi2.total_cmp(&b.chi2);
+        let found = [from_open, from_none].into_iter().filter_map(|start| sought.find(&start)).min_by(nearer);
+        let grown = found.as_ref().is_none_or(|own| self.is_astray(own, curve)).then(|| sought.grown(&GROWN));
+        let Some(found) = found.into_iter().chain(grown.flatten()).min_by(nearer) else { return Ok(None) };
         let (patch, _) = wired(&found.sought)?;
         let version = self.version(patch);
         let test =

@@ -1,6 +1,7 @@
 //! A force that nobody knows: wired to a junction as a table, and found by regularised least squares on what each of its numbers
 //! does to the outputs, beside knobs, initial voltages and offsets.
 
+use crate::gap::effort::Beginnings;
 use crate::gap::fit::{AT_ONCE, NUDGE, Point, Task, nudged};
 use crate::gap::model::{Choice, Course, Table};
 use crate::spare;
@@ -143,6 +144,22 @@ impl Sought<'_> {
             (standing, before) = (next, chi2);
         }
         None
+    }
+
+    /// Finds it through ever larger shares of the records, each from where the one before led to: what acts back on itself falls out
+    /// of step with the end of a record before it keeps step with the beginning.
+    pub fn grown(&self, shares: &[f64]) -> Option<Found> {
+        let mut found: Option<Found> = None;
+        for share in shares {
+            let beginnings = Beginnings::of(&self.task, *share);
+            let task = beginnings.as_ref().map_or(self.task, |own| own.task(&self.task));
+            let none = Standing { at: task.shares(self.home), sought: DVector::zeros(self.shape.count()) };
+            let without = Sought { task, ..*self }.chi2(&none)?;
+            let point = found.as_ref().map_or(self.home, |own| &own.point);
+            let sought = found.as_ref().map(|own| own.sought.as_slice());
+            found = Some(Sought { task, without, ..*self }.find(&Start { point, sought })?);
+        }
+        found
     }
 
     /// To what was solved for; where the force acts back and that leads astray, a share of the way on which the sum of squares
