@@ -2,7 +2,8 @@
 //!
 //! An effect of some strength is run beside the patch as it was fitted. What it changes in the outputs, less all that parameters,
 //! initial voltages and offsets follow when they are fitted again (to first order), is what the search has to find it by: as
-//! much as its score asks for in training, and as its confirmation asks for in the data that are held back.
+//! much as its score asks for in training, and as its confirmation asks for in the data that are held back. What would show so is
+//! fitted in full: parameters may follow further than to first order.
 
 use std::ops::Range;
 
@@ -10,13 +11,13 @@ use serde_json::{Map, Value, json};
 
 use super::candidate::Candidate;
 use super::directions::{NEW, clear, less, orthonormal, product, scale, subtract};
+use super::effort::Effort;
 use super::fit::{Point, stacked};
 use super::model::{Choice, Course, Model, ModelError};
 use super::record::Record;
 use super::round::{CONFIRMED, Round, Trial, unit};
 use super::score::expected;
-use super::stage::{Problem, Stage, Version};
-use super::turned::Turned;
+use super::stage::{Problem, Version};
 use crate::instruments::number;
 use crate::patch::behind;
 use crate::pool;
@@ -46,6 +47,11 @@ pub struct Limit {
 const STRENGTHS: [f64; 11] = [6e-5, 2.5e-4, 1e-3, 4e-3, 0.016, 0.06, 0.25, 0.5, 0.8, 0.93, 1.0];
 /// So many choices of an effect's other parameters are tried.
 const VARIANTS: usize = 3;
+/// Where the margin grows with more than such a power of the strength, so often more strengths are tried,
+const FINER: usize = 2;
+/// which make so many parts of the way.
+const BETWEEN: u32 = 5;
+const STEEP: f64 = 4.0;
 /// By so many volts initial voltages of an effect are moved for derivatives.
 const NUDGE: f64 = 1e-3;
 
@@ -81,82 +87,6 @@ impl Problem {
             a.share.total_cmp(&b.share).then_with(|| (&a.effect, &a.junction).cmp(&(&b.effect, &b.junction)))
         });
         Ok(limits)
-    }
-}
-
-/// Why data cannot judge a patch.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Blind {
-    /// They are no more than the numbers that are fitted.
-    Few,
-    /// A constant explains them as well as the patch does.
-    Still,
-    /// What explains the training data does not explain those held back: so many times the noise is left of them.
-    Changed(f64),
-    /// No effect could be tried.
-    Nowhere,
-    /// No effect that was tried would show, however strong.
-    Effects,
-    /// The patch explains their opposite.
-    Turned(Turned),
-}
-
-impl Blind {
-    /// The same in words.
-    pub fn sentence(&self) -> String {
-        match self {
-            Blind::Few => "they are no more than the numbers that are fitted".to_owned(),
-            Blind::Still => "nothing moves in them beyond the noise".to_owned(),
-            Blind::Changed(left) => format!(
-                "what holds in training does not hold in the data held back, of which {} times the noise is left: something has changed by then",
-                number(*left)
-            ),
-            Blind::Nowhere => {
-                "no effect found a place in the patch, whose integrators have to give signals with scales"
-                    .to_owned()
-            }
-            Blind::Effects => "they would show none of the effects that were tried".to_owned(),
-            Blind::Turned(turned) => turned.sentence(),
-        }
-    }
-}
-
-/// By chance data held back leave less than so many times what training leaves, or than the noise.
-pub(super) const CHANGED: f64 = 2.0;
-
-impl Problem {
-    /// Why the data cannot judge a patch that leaves nothing but noise; nothing where they can.
-    pub(super) fn is_blind(&self, base: &Stage, rounds: &[Round], limits: &[Limit]) -> Option<Blind> {
-        if base.train.count <= base.train.free {
-            return Some(Blind::Few);
-        }
-        let needed = rounds.first().map_or(0.0, |round| round.needed);
-        if self.motion(base) < needed * base.memory {
-            return Some(Blind::Still);
-        }
-        let held = base.test.over_noise();
-        if held > CHANGED * base.train.over_noise().max(1.0) {
-            return Some(Blind::Changed(held));
-        }
-        if rounds.iter().all(|round| round.trials.is_empty()) {
-            return Some(Blind::Nowhere);
-        }
-        (!limits.iter().any(Limit::is_seen)).then_some(Blind::Effects)
-    }
-
-    /// What the patch explains of the training data beside a constant, in squares over the noise.
-    fn motion(&self, base: &Stage) -> f64 {
-        let tracks = self.train.iter().zip(&base.train.residuals).flat_map(|(record, left)| {
-            record.outputs.iter().zip(left).zip(&self.sigma).map(|((data, left), sigma)| {
-                let made = data.iter().zip(left).map(|(datum, left)| datum / sigma - left);
-                made.filter(|own| !own.is_nan()).collect::<Vec<f64>>()
-            })
-        });
-        let moved = |track: Vec<f64>| {
-            let mean = track.iter().sum::<f64>() / track.len().max(1) as f64;
-            track.iter().map(|own| (own - mean).powi(2)).sum::<f64>()
-        };
-        tracks.map(moved).sum()
     }
 }
 
@@ -227,6 +157,7 @@ pub fn best_places(limits: &[Limit]) -> Vec<&Limit> {
 struct Ground<'a> {
     problem: &'a Problem,
     round: &'a Round,
+    version: Version,
     train: Half<'a>,
     test: Half<'a>,
     /// The same with no states beside those of the patch.
@@ -275,7 +206,7 @@ impl<'a> Ground<'a> {
         let test = Half::of(problem, &version, &problem.test, &before.test.point)?;
         Ok(train.zip(test).map(|(train, test)| {
             let usual = Cleared::of([&train, &test], version.fit.len(), [&[], &[]]);
-            Ground { problem, round, train, test, usual }
+            Ground { problem, round, version, train, test, usual }
         }))
     }
 
@@ -320,8 +251,8 @@ impl<'a> Ground<'a> {
         self.round.needed + numbers as f64 * samples.ln()
     }
 
-    /// By what factor a change is more than the search needs to take it for an effect, in squares.
-    fn margin(&self, [train, test]: [Change; 2], need: f64) -> f64 {
+    /// What parameters, initial voltages and offsets do not follow of a change, to first order.
+    fn left(&self, [train, test]: &[Change; 2]) -> Both {
         let own;
         let cleared = match train.states.iter().all(Vec::is_empty) {
             true => &self.usual,
@@ -332,9 +263,32 @@ impl<'a> Ground<'a> {
             }
         };
         let spans = [&self.train.spans[..], &self.test.spans[..]];
-        let [train, test] = cleared.without(spans, [train.outputs, test.outputs]);
-        let shown = product(&train, &train) / (self.noise() * need);
-        let confirmed = expected(&self.test.tracks(&test), self.noise());
+        cleared.without(spans, [train.outputs.clone(), test.outputs.clone()])
+    }
+
+    /// What they do not follow when they are fitted in full; nothing where the patch cannot be run so.
+    fn left_in_full(&self, changes: &[Change; 2]) -> Result<Option<Both>, ModelError> {
+        let [train, test] =
+            [(&self.train, &changes[0]), (&self.test, &changes[1])].map(|(half, own)| half.with(own));
+        let problem = Problem { train, test, ..self.problem.clone() };
+        let model = problem.model(&self.version, &problem.train, &problem.outputs)?;
+        let (train, test) = (&self.round.before.train.point, &self.round.before.test.point);
+        let Some(train) = problem.task(&model, &problem.train, true).fit(train) else { return Ok(None) };
+        let test = problem.held(&self.version, &train.point, Some(&test.initial), Effort::QUICK)?;
+        Ok(test.map(|test| {
+            let mut left = [train, test].map(|fitted| in_a_row(&fitted.residuals));
+            for ((left, change), half) in left.iter_mut().zip(changes).zip([&self.train, &self.test]) {
+                let own: Vec<_> = change.states.iter().map(|own| orthonormal(own.iter().cloned())).collect();
+                clear_states(&own, &half.spans, left);
+            }
+            left
+        }))
+    }
+
+    /// By what factor such tracks are more than the search needs to take them for an effect, in squares.
+    fn margin(&self, [train, test]: &Both, need: f64) -> f64 {
+        let shown = product(train, train) / (self.noise() * need);
+        let confirmed = expected(&self.test.tracks(test), self.noise());
         let apart = (confirmed.ratio() / CONFIRMED).powi(2);
         shown.min(apart.max(confirmed.sum / (self.noise() * self.round.needed)))
     }
@@ -392,6 +346,22 @@ impl<'a> Half<'a> {
     fn tracks<'t>(&self, all: &'t [f64]) -> Vec<Vec<&'t [f64]>> {
         let tracks = self.spans.iter().zip(self.records);
         tracks.map(|(span, record)| all[span.clone()].chunks(record.len().max(1)).collect()).collect()
+    }
+
+    /// The records as they would be with a change, without noise.
+    fn with(&self, change: &Change) -> Vec<Record> {
+        let all: Vec<f64> =
+            self.here.iter().zip(&change.outputs).map(|(here, change)| here + change).collect();
+        let records = self.records.iter().zip(self.tracks(&all));
+        let with = |(record, tracks): (&Record, Vec<&[f64]>)| {
+            let outputs = record.outputs.iter().zip(tracks).zip(self.sigma);
+            let outputs = outputs.map(|((data, track), sigma)| {
+                let data = data.iter().zip(track);
+                data.map(|(datum, value)| if datum.is_nan() { *datum } else { value * sigma }).collect()
+            });
+            Record { outputs: outputs.collect(), ..record.clone() }
+        };
+        records.map(with).collect()
     }
 
     /// By how much an initial voltage of an effect is moved, from none on, to where it may be.
@@ -524,6 +494,21 @@ impl Tried<'_> {
         let stronger = STRENGTHS.into_iter().filter(|share| *share > weakest);
         let shares: Vec<f64> =
             Some(weakest).filter(|share| *share > 0.0).into_iter().chain(stronger).collect();
+        let mut margins = self.margins(home, end, &shares);
+        for _ in 0..FINER {
+            let Some([below, above]) = steep(&margins) else { break };
+            let between = (1..BETWEEN).map(|place| f64::from(place) / f64::from(BETWEEN));
+            let shares: Vec<f64> = between.map(|part| below.0 + part * (above.0 - below.0)).collect();
+            let inner = self.margins(home, end, &shares);
+            margins = [below].into_iter().chain(inner).chain([above]).collect();
+        }
+        let share = reaches_one(&margins, candidate.none.is_some())?;
+        Some(home + share * (end - home))
+    }
+
+    /// Shares of the way to the end of a range and their margins, up to the first that shows.
+    fn margins(&self, home: f64, end: f64, shares: &[f64]) -> Vec<(f64, f64)> {
+        let candidate = &self.trial.candidate;
         let with = |strength: f64| [&[strength], self.rest].concat();
         let strengths: Vec<Vec<f64>> = shares.iter().map(|share| with(home + share * (end - home))).collect();
         let none = candidate.none.map(with);
@@ -531,13 +516,41 @@ impl Tried<'_> {
         let halves = [&self.ground.train, &self.ground.test];
         let [train, test] =
             [0, 1].map(|half| halves[half].changes(&self.models[half], &strengths, none.clone(), states));
-        let margins = train.into_iter().zip(test).map(|(train, test)| {
-            train.zip(test).map(|(train, test)| self.ground.margin([train, test], self.need))
-        });
-        let pairs = shares.iter().copied().zip(margins).filter_map(|(share, margin)| Some((share, margin?)));
-        let share = reaches_one(&pairs.collect::<Vec<_>>(), candidate.none.is_some())?;
-        Some(home + share * (end - home))
+        let mut margins = Vec::new();
+        for ((share, train), test) in shares.iter().zip(train).zip(test) {
+            let (Some(train), Some(test)) = (train, test) else { continue };
+            let margin = self.margin(&[train, test]);
+            margins.push((*share, margin));
+            if margin >= 1.0 {
+                break;
+            }
+        }
+        margins
     }
+
+    /// The margin of what a strength changes: to first order, and in full where it would show so.
+    fn margin(&self, changes: &[Change; 2]) -> f64 {
+        let margin = self.ground.margin(&self.ground.left(changes), self.need);
+        if margin < 1.0 {
+            return margin;
+        }
+        let in_full = self.ground.left_in_full(changes).ok().flatten();
+        in_full.map_or(margin, |left| self.ground.margin(&left, self.need))
+    }
+}
+
+/// Tracks of all records and outputs one behind the other, 0 where there is no datum.
+fn in_a_row(residuals: &[Vec<Vec<f64>>]) -> Vec<f64> {
+    let all = residuals.iter().flatten().flatten();
+    all.map(|own| if own.is_nan() { 0.0 } else { *own }).collect()
+}
+
+/// The first strength that shows and the one before it, where the margin grows far more steeply than with the square of the strength.
+fn steep(margins: &[(f64, f64)]) -> Option<[(f64, f64); 2]> {
+    let place = margins.iter().position(|(_, margin)| *margin >= 1.0)?;
+    let (below, above) = (margins[place.checked_sub(1)?], margins[place]);
+    let is_steep = below.1 <= 0.0 || (above.1 / below.1).ln() > STEEP * (above.0 / below.0).ln();
+    is_steep.then_some([below, above])
 }
 
 /// Where a margin that grows with the square of a share, or faster, comes to 1; `goes_on` says whether it does so below the first.
@@ -580,6 +593,14 @@ fn clear_states(states: &[Vec<Vec<f64>>], spans: &[Range<usize>], track: &mut [f
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn where_the_margin_jumps_more_strengths_are_tried() {
+        assert_eq!(steep(&[(0.1, 0.25), (0.4, 4.0)]), None);
+        assert_eq!(steep(&[(0.1, 0.0), (0.2, 0.1), (0.4, 9.0)]), Some([(0.2, 0.1), (0.4, 9.0)]));
+        assert_eq!(steep(&[(0.1, 0.0), (0.2, 16.0)]), Some([(0.1, 0.0), (0.2, 16.0)]));
+        assert_eq!(steep(&[(0.1, 16.0)]), None);
+    }
 
     #[test]
     fn between_two_strengths_the_margin_grows_by_a_power() {

@@ -2,12 +2,13 @@
 
 use serde_json::{Map, Value, json};
 
+use super::blind::{Blind, has_changed};
 use super::candidate::Candidate;
 use super::correlation::Correlation;
 use super::experiment::{Experiment, Output};
 use super::fit::Fitted;
 use super::intervals::Known;
-use super::limits::{Blind, CHANGED, Limit, best_places};
+use super::limits::{Limit, best_places};
 use super::record::Record;
 use super::round::{LeftOut, Round, Trial};
 use super::score::Advantage;
@@ -80,7 +81,24 @@ impl Outcome {
             let at = told(&self.last, place);
             format!("Beside what is named the patch is fitted best with {at}: nature's law may be another.")
         });
-        before.chain(beside).collect()
+        let named = self.effects.iter().filter(|_| self.verdict.has_names());
+        let own = named.flat_map(|effect| self.own_at_ends(effect));
+        before.chain(beside).chain(own).collect()
+    }
+
+    /// The same of what an effect brought; nature knows no less than 0 of a time or a friction.
+    fn own_at_ends(&self, effect: &Candidate) -> Vec<String> {
+        let Stage { version, train, .. } = &self.last;
+        let at_end = self.last.at_end().filter(|place| train.point.knobs[*place] != 0.0);
+        let names: Vec<&str> = at_end.map(|place| version.fit[place].as_str()).collect();
+        let brought = effect.graft.parameters.iter().filter(|own| names.contains(&own.name.as_str()));
+        let doubt = brought.map(|own| {
+            format!(
+                "The {} of {} is found at the end of its range: these data may ask for a value beyond it.",
+                own.name, effect.effect
+            )
+        });
+        doubt.collect()
     }
 
     /// Of which outputs the experiment tells more noise than there can be.
@@ -113,7 +131,7 @@ impl Outcome {
                     number(train)
                 )
             });
-            let held = (test > CHANGED * train.max(1.0)).then(|| {
+            let held = has_changed(train, test).then(|| {
                 format!(
                     "Of {} {} times its noise is left of the data held back, and {} in training: what holds there has changed by then.",
                     output.signal,

@@ -3,12 +3,13 @@
 
 use std::cmp::Reverse;
 
+use super::blind::Blind;
 use super::candidate::Candidate;
 use super::correlation::Correlation;
 use super::effect::Library;
 use super::effort::Effort;
 use super::graft::Attached;
-use super::limits::{Blind, Limit};
+use super::limits::Limit;
 use super::model::ModelError;
 use super::progress::{Part, Progress};
 use super::round::{LEAST_CLOSED, LeftOut, Round};

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use patchcord::gap::Experiment;
-use patchcord::gap::limits::{Blind, Limit, best_places};
+use patchcord::gap::blind::Blind;
+use patchcord::gap::limits::{Limit, best_places};
 use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::stage::Problem;
 use patchcord::patch::Patch;
@@ -79,6 +80,17 @@ fn what_would_have_shown_is_told() {
     let told = best_places(&found.limits)[0];
     let value = format!(" that would have shown has {} = {}", told.parameter, told.told().unwrap());
     assert!(sentence.ends_with(&value), "{sentence}");
+}
+
+#[test]
+fn what_a_parameter_follows_shows_from_the_end_of_its_range_on() {
+    let (experiment, problem) = nothing();
+    let found = searched_for(&["viscous-friction"], &experiment, &problem);
+    let place = experiment.fit.iter().position(|name| name == "c").unwrap();
+    let (_, high) = experiment.patch.parameters["c"].range.unwrap();
+    let room = high - found.base.train.point.knobs[place];
+    let least = limit(&found, "viscous-friction").value.unwrap();
+    assert!((room..1.2 * room).contains(&least), "{least} {room}");
 }
 
 #[test]

@@ -79,6 +79,25 @@ fn what_may_be_a_value_beyond_a_range_is_doubted() {
     assert!(doubts[0].contains("with M at the end of its range, 8 kg"), "{doubts:?}");
 }
 
+/// A bias that may be nearly as large as what is missing.
+#[test]
+fn an_effect_at_the_end_of_its_range_is_doubted() {
+    let bias = std::fs::read_to_string("patches/effects/constant-bias.json").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let small = bias.replace(r#""range": [-1, 1]"#, r#""range": [-0.064, 0.064]"#);
+    assert_ne!(small, bias);
+    std::fs::write(folder.path().join("constant-bias.json"), small).unwrap();
+    let library = Library::default().and_folder(folder.path()).unwrap();
+    let experiment = read(Path::new("tests/gap/hidden/bias/experiment.json"));
+    let problem = Problem::of(&experiment).unwrap();
+    let with = Means { library: &library, threads: 2, seed: 1 };
+    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    let doubt =
+        "The b of constant-bias is found at the end of its range: these data may ask for a value beyond it.";
+    assert_eq!(found.sentence(), "constant-bias at I2 is missing");
+    assert!(found.doubts(&experiment).contains(&doubt.to_owned()), "{:?}", found.doubts(&experiment));
+}
+
 /// Laws with kinks: how steps of the solver fall on these is no part of how far a value may be off.
 #[test]
 fn a_soft_dead_zone_is_named_and_its_width_lies_in_its_interval() {

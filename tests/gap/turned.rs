@@ -1,8 +1,8 @@
 //! Outputs that are measured the wrong way round.
 
 use patchcord::gap::Experiment;
+use patchcord::gap::blind::Blind;
 use patchcord::gap::effect::Library;
-use patchcord::gap::limits::Blind;
 use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::stage::Problem;
 

@@ -1,0 +1,88 @@
+//! Data that cannot judge a patch: what leaves nothing but noise is then no proof that nothing is missing.
+
+use super::limits::Limit;
+use super::round::Round;
+use super::stage::{Problem, Stage};
+use super::turned::Turned;
+use crate::instruments::number;
+
+/// Why data cannot judge a patch.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Blind {
+    /// They are no more than the numbers that are fitted.
+    Few,
+    /// A constant explains them as well as the patch does.
+    Still,
+    /// What explains the training data does not explain those held back: so many times the noise is left of them.
+    Changed(f64),
+    /// No effect could be tried.
+    Nowhere,
+    /// No effect that was tried would show, however strong.
+    Effects,
+    /// The patch explains their opposite.
+    Turned(Turned),
+}
+
+impl Blind {
+    /// The same in words.
+    pub fn sentence(&self) -> String {
+        match self {
+            Blind::Few => "they are no more than the numbers that are fitted".to_owned(),
+            Blind::Still => "nothing moves in them beyond the noise".to_owned(),
+            Blind::Changed(left) => format!(
+                "what holds in training does not hold in the data held back, of which {} times the noise is left: something has changed by then",
+                number(*left)
+            ),
+            Blind::Nowhere => {
+                "no effect found a place in the patch, whose integrators have to give signals with scales"
+                    .to_owned()
+            }
+            Blind::Effects => "they would show none of the effects that were tried".to_owned(),
+            Blind::Turned(turned) => turned.sentence(),
+        }
+    }
+}
+
+/// By chance data held back leave less than so many times what training leaves, or than the noise.
+const CHANGED: f64 = 2.0;
+
+/// Whether what holds in training, rms over noise, does not hold in what was held back.
+pub(super) fn has_changed(train: f64, test: f64) -> bool {
+    test > CHANGED * train.max(1.0)
+}
+
+impl Problem {
+    /// Why the data cannot judge a patch that leaves nothing but noise; nothing where they can.
+    pub(super) fn is_blind(&self, base: &Stage, rounds: &[Round], limits: &[Limit]) -> Option<Blind> {
+        if base.train.count <= base.train.free {
+            return Some(Blind::Few);
+        }
+        let needed = rounds.first().map_or(0.0, |round| round.needed);
+        if self.motion(base) < needed * base.memory {
+            return Some(Blind::Still);
+        }
+        let held = base.test.over_noise();
+        if has_changed(base.train.over_noise(), held) {
+            return Some(Blind::Changed(held));
+        }
+        if rounds.iter().all(|round| round.trials.is_empty()) {
+            return Some(Blind::Nowhere);
+        }
+        (!limits.iter().any(Limit::is_seen)).then_some(Blind::Effects)
+    }
+
+    /// What the patch explains of the training data beside a constant, in squares over the noise.
+    fn motion(&self, base: &Stage) -> f64 {
+        let tracks = self.train.iter().zip(&base.train.residuals).flat_map(|(record, left)| {
+            record.outputs.iter().zip(left).zip(&self.sigma).map(|((data, left), sigma)| {
+                let made = data.iter().zip(left).map(|(datum, left)| datum / sigma - left);
+                made.filter(|own| !own.is_nan()).collect::<Vec<f64>>()
+            })
+        });
+        let moved = |track: Vec<f64>| {
+            let mean = track.iter().sum::<f64>() / track.len().max(1) as f64;
+            track.iter().map(|own| (own - mean).powi(2)).sum::<f64>()
+        };
+        tracks.map(moved).sum()
+    }
+}
