@@ -47,11 +47,12 @@ pub struct Limit {
 const STRENGTHS: [f64; 11] = [6e-5, 2.5e-4, 1e-3, 4e-3, 0.016, 0.06, 0.25, 0.5, 0.8, 0.93, 1.0];
 /// So many choices of an effect's other parameters are tried.
 const VARIANTS: usize = 3;
-/// Where the margin grows with more than such a power of the strength, so often more strengths are tried,
+/// Where the margin grows with more than such a power of the strength,
+const STEEP: f64 = 4.0;
+/// so often more strengths are tried,
 const FINER: usize = 2;
 /// which make so many parts of the way.
 const BETWEEN: u32 = 5;
-const STEEP: f64 = 4.0;
 /// By so many volts initial voltages of an effect are moved for derivatives.
 const NUDGE: f64 = 1e-3;
 
