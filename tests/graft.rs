@@ -7,7 +7,7 @@ use patchcord::gap::candidate::Candidate;
 use patchcord::gap::effect::{Effect, Library};
 use patchcord::gap::graft::{Attached, Role};
 use patchcord::gap::reach::Largest;
-use patchcord::gap::site::Sites;
+use patchcord::gap::site::{Reading, Sites};
 use patchcord::patch::Patch;
 use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
@@ -341,6 +341,21 @@ fn inverters_in_a_ring_are_no_place_and_no_trap() {
     let circuit = Circuit::new(&patch, &[]).unwrap_or_else(|report| panic!("{report}"));
     let sites = Sites::of(&circuit, &["F"]);
     assert_eq!(sites.junctions.iter().map(|own| own.integrator.as_str()).collect::<Vec<_>>(), ["IV"]);
+}
+
+/// A friction level that a parameter sets is in newtons, but nothing pushes with it: a dead zone that it drives would be a bias.
+#[test]
+fn what_parameters_alone_make_is_no_force() {
+    let text = mass(true)
+        .text()
+        .replace(r#""PM":"#, r#""PF": {"kind": "pot", "in": "+100", "setting": 0.05}, "PM":"#);
+    let level = r#""net_force": {"at""#;
+    let text = text.replace(level, &format!(r#""level": {{"at": "PF", "scale": "force"}}, {level}"#));
+    let patch = Patch::parse("level.json", &text).unwrap();
+    assert!(patch.signals.contains_key("level"));
+    let names = |readings: &[Reading]| readings.iter().map(|own| own.signal.clone()).collect::<Vec<_>>();
+    let junction = &sites(&patch).junctions[0];
+    assert_eq!((names(&junction.forces), names(&junction.loads)), (vec![], vec!["F".to_owned()]));
 }
 
 #[test]

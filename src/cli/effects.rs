@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::failure::Failure;
 use super::table::Table;
 use super::{say, say_json, tell};
-use patchcord::gap::effect::{Effect, EffectError, Library, Page};
+use patchcord::gap::effect::{Effect, Library, Page};
 use patchcord::patch::suggestion;
 
 #[derive(Args)]
@@ -50,10 +50,7 @@ pub(super) fn known(folder: Option<&Path>) -> Result<Library, Failure> {
     let library = Library::shipped();
     match folder {
         None => Ok(library),
-        Some(folder) => library.and_folder(folder).inspect(tell_notes).map_err(|error| match error {
-            EffectError::Text(report) => Failure::from(report),
-            error => Failure::data(error.to_string()),
-        }),
+        Some(folder) => Ok(library.and_folder(folder).inspect(tell_notes)?),
     }
 }
 

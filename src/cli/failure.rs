@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::{errors_in_colour, say_json, tell, tell_coloured};
 use patchcord::gap::ExperimentError;
+use patchcord::gap::effect::EffectError;
 use patchcord::patch::{PatchError, Report, Severity};
 use patchcord::solve::RunError;
 
@@ -26,8 +27,8 @@ enum Cause {
     Data(String),
     /// The patch is wrong, in these places.
     Report(Box<Report>),
-    /// An experiment is wrong, or its patch or its data are: its report, then that of its patch.
-    Experiment(Vec<Report>),
+    /// Several documents are wrong: an experiment and its patch or data, effects. What the first is, and the reports.
+    Several(&'static str, Vec<Report>),
 }
 
 impl Failure {
@@ -64,7 +65,7 @@ impl Failure {
         match &self.cause {
             Cause::Usage(message) | Cause::Data(message) => tell(&format!("error: {message}")),
             Cause::Report(report) => tell_report(report),
-            Cause::Experiment(reports) => reports.iter().for_each(tell_report),
+            Cause::Several(_, reports) => reports.iter().for_each(tell_report),
             Cause::Told(_) => (),
         }
         if self.json {
@@ -77,7 +78,7 @@ impl Failure {
     fn code(&self) -> u8 {
         match &self.cause {
             Cause::Usage(_) | Cause::Told(_) => 2,
-            Cause::Data(_) | Cause::Experiment(_) => 1,
+            Cause::Data(_) | Cause::Several(..) => 1,
             Cause::Report(report) if is_of_the_command_line(report) => 2,
             Cause::Report(_) => 1,
         }
@@ -91,12 +92,12 @@ impl Failure {
             Cause::Report(report) => {
                 json!({"ok": false, "patch": report.file, "diagnostics": report.to_json()})
             }
-            Cause::Experiment(reports) => {
+            Cause::Several(first, reports) => {
                 let findings = reports.iter().map(Report::to_json);
                 let findings: Value =
                     findings.flat_map(|told| told.as_array().cloned().unwrap_or_default()).collect();
                 let file = reports.first().map(|report| report.file.as_str());
-                json!({"ok": false, "experiment": file, "diagnostics": findings})
+                json!({"ok": false, *first: file, "diagnostics": findings})
             }
         };
         if let Value::Object(entries) = &mut document {
@@ -155,8 +156,17 @@ impl From<ExperimentError> for Failure {
             ExperimentError::File(error) => error.into(),
             ExperimentError::Wrong { experiment, patch } => {
                 let reports = [Some(experiment), patch].into_iter().flatten().map(|report| *report);
-                Failure::new(Cause::Experiment(reports.collect()))
+                Failure::new(Cause::Several("experiment", reports.collect()))
             }
+        }
+    }
+}
+
+impl From<EffectError> for Failure {
+    fn from(error: EffectError) -> Self {
+        match error {
+            EffectError::Text(reports) => Failure::new(Cause::Several("effect", reports)),
+            error => Failure::data(error.to_string()),
         }
     }
 }

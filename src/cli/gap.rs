@@ -11,6 +11,7 @@ use clap::Args;
 use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
 use patchcord::gap::page::Told;
+use patchcord::gap::places::Places;
 use patchcord::gap::progress::{Part, Progress};
 use patchcord::gap::report::asked;
 use patchcord::gap::search::{Means, Outcome};
@@ -21,8 +22,8 @@ use serde_json::Value;
 pub(super) struct Arguments {
     /// Experiment file (JSON): a patch, what was measured, what may be fitted; docs/gap.md shows one
     experiment: PathBuf,
-    /// Only check the data: sampling, gaps, noise, steps of the recorder, how fast columns move
-    #[arg(long, conflicts_with_all = ["out", "effects", "seed", "threads"])]
+    /// Only check the data (sampling, gaps, noise, steps of the recorder, how fast columns move) and tell where effects would be tried
+    #[arg(long, conflicts_with_all = ["out", "seed", "threads"])]
     check: bool,
     /// Write into this folder the report (report.html, report.json), the patch as fitted (fitted.json) and with what is missing in
     /// it (augmented.json); where that has no name, with its force as a curve instead (recovered.json); where the data cannot tell
@@ -50,13 +51,14 @@ pub(super) fn gap(arguments: &Arguments) -> Result<(), Failure> {
 fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
     let experiment = Experiment::read(&arguments.experiment)?;
     tell_report(&experiment.warnings);
+    let library = effects::known(arguments.effects.as_deref())?;
     if arguments.check {
+        let places = Places::of(&experiment.patch, &experiment.drives, &library)?;
         return match arguments.json {
-            true => say_json(&gap_check::document(&experiment)),
-            false => say(&gap_check::told(&experiment)),
+            true => say_json(&gap_check::document(&experiment, &places)),
+            false => say(&gap_check::told(&experiment, &places)),
         };
     }
-    let library = effects::known(arguments.effects.as_deref())?;
     let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, &experiment)).transpose()?;
     let (problem, outcome) = searched(arguments, &experiment, &library)?;
     let mut document = outcome.document(&problem);

@@ -1,9 +1,11 @@
 //! `patchcord gap --check`: what data are like, in words and as a document.
 
+use indexmap::IndexMap;
 use serde_json::{Value, json};
 
 use super::failure::plural;
 use super::table::Table;
+use patchcord::gap::places::Places;
 use patchcord::gap::{Column, Experiment, Noise, NoiseKind, Record, SHARES, columns};
 use patchcord::instruments::Display;
 
@@ -13,7 +15,7 @@ fn records(experiment: &Experiment) -> impl Iterator<Item = (&'static str, &Reco
     trained.chain(experiment.test.iter().map(|record| ("test", record)))
 }
 
-pub(super) fn told(experiment: &Experiment) -> String {
+pub(super) fn told(experiment: &Experiment, places: &Places) -> String {
     let mut text = format!("{}: {}\n", experiment.file, verdict(experiment.warnings.warnings()));
     if !experiment.title.is_empty() {
         text += &format!("{}\n", experiment.title);
@@ -29,7 +31,26 @@ pub(super) fn told(experiment: &Experiment) -> String {
             text += &format!("\n{notes}");
         }
     }
-    text
+    text + "\n" + &tried(places)
+}
+
+/// Which effects would be tried at which place.
+fn tried(places: &Places) -> String {
+    let mut at: IndexMap<&str, Vec<&str>> = IndexMap::new();
+    for (effect, own) in &places.effects {
+        own.iter().for_each(|place| at.entry(place).or_default().push(effect));
+    }
+    let told =
+        |(place, effects): (&str, Vec<&str>)| format!("would be tried at {place}: {}\n", effects.join(", "));
+    let mut text: String = at.into_iter().map(told).collect();
+    let nowhere = places.nowhere();
+    if !nowhere.is_empty() {
+        text += &format!("has no place in the patch: {}\n", nowhere.join(", "));
+    }
+    let nameless = places.nameless.iter().map(|own| {
+        format!("{own}: nothing would be tried there, as it gives no signal with a scale; name what it gives under \"signals\"\n")
+    });
+    text + &nameless.collect::<String>()
 }
 
 fn verdict(warnings: usize) -> String {
@@ -131,7 +152,8 @@ fn noise_note(column: &str, noise: &Noise) -> Option<String> {
     Some(format!("{column}: {told}"))
 }
 
-pub(super) fn document(experiment: &Experiment) -> Value {
+pub(super) fn document(experiment: &Experiment, places: &Places) -> Value {
+    let effects = places.effects.iter().map(|(name, at)| json!({"name": name, "junctions": at}));
     json!({
         "ok": true,
         "experiment": experiment.file,
@@ -140,6 +162,8 @@ pub(super) fn document(experiment: &Experiment) -> Value {
         "diagnostics": experiment.warnings.to_json(),
         "fit": experiment.fit,
         "records": records(experiment).map(|(part, record)| record_json(experiment, part, record)).collect::<Value>(),
+        "effects": effects.collect::<Value>(),
+        "nameless": places.nameless,
     })
 }
 

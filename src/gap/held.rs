@@ -7,7 +7,7 @@ use super::record::Record;
 use super::stage::{Problem, Stage, Version};
 
 /// So often the derivatives are worked out in a first look at what was held back.
-const FIRST_HELD: usize = 2;
+pub(super) const FIRST_HELD: usize = 2;
 
 /// A patch that leaves so much more of what was held back than of what it was fitted to may have begun there in the wrong place.
 const LOST: f64 = 1.5;

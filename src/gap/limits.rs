@@ -11,8 +11,8 @@ use serde_json::{Map, Value, json};
 
 use super::candidate::Candidate;
 use super::directions::{NEW, clear, less, orthonormal, product, scale, subtract};
-use super::effort::Effort;
-use super::fit::{Point, stacked};
+use super::fit::{Fitted, Point, Task, stacked};
+use super::held::FIRST_HELD;
 use super::model::{Choice, Course, Model, ModelError};
 use super::record::Record;
 use super::round::{CONFIRMED, Round, Trial, unit};
@@ -158,7 +158,6 @@ pub fn best_places(limits: &[Limit]) -> Vec<&Limit> {
 struct Ground<'a> {
     problem: &'a Problem,
     round: &'a Round,
-    version: Version,
     train: Half<'a>,
     test: Half<'a>,
     /// The same with no states beside those of the patch.
@@ -167,9 +166,10 @@ struct Ground<'a> {
 
 /// Some records one behind the other, of each all outputs, over the noise; 0 where there is no datum.
 struct Half<'a> {
+    problem: &'a Problem,
+    model: Model,
     records: &'a [Record],
     point: &'a Point,
-    sigma: &'a [f64],
     spans: Vec<Range<usize>>,
     /// What the patch does.
     here: Vec<f64>,
@@ -207,7 +207,7 @@ impl<'a> Ground<'a> {
         let test = Half::of(problem, &version, &problem.test, &before.test.point)?;
         Ok(train.zip(test).map(|(train, test)| {
             let usual = Cleared::of([&train, &test], version.fit.len(), [&[], &[]]);
-            Ground { problem, round, version, train, test, usual }
+            Ground { problem, round, train, test, usual }
         }))
     }
 
@@ -268,22 +268,11 @@ impl<'a> Ground<'a> {
     }
 
     /// What they do not follow when they are fitted in full; nothing where the patch cannot be run so.
-    fn left_in_full(&self, changes: &[Change; 2]) -> Result<Option<Both>, ModelError> {
-        let [train, test] =
-            [(&self.train, &changes[0]), (&self.test, &changes[1])].map(|(half, own)| half.with(own));
-        let problem = Problem { train, test, ..self.problem.clone() };
-        let model = problem.model(&self.version, &problem.train, &problem.outputs)?;
-        let (train, test) = (&self.round.before.train.point, &self.round.before.test.point);
-        let Some(train) = problem.task(&model, &problem.train, true).fit(train) else { return Ok(None) };
-        let test = problem.held(&self.version, &train.point, Some(&test.initial), Effort::QUICK)?;
-        Ok(test.map(|test| {
-            let mut left = [train, test].map(|fitted| in_a_row(&fitted.residuals));
-            for ((left, change), half) in left.iter_mut().zip(changes).zip([&self.train, &self.test]) {
-                let own: Vec<_> = change.states.iter().map(|own| orthonormal(own.iter().cloned())).collect();
-                clear_states(&own, &half.spans, left);
-            }
-            left
-        }))
+    fn left_in_full(&self, [train, test]: &[Change; 2]) -> Option<Both> {
+        let trained = self.train.fitted(train, self.train.point)?;
+        let begun = Point { initial: self.test.point.initial.clone(), ..trained.point.clone() };
+        let held = self.test.settled(test, &begun)?;
+        Some([self.train.apart(train, &trained), self.test.apart(test, &held)])
     }
 
     /// By what factor such tracks are more than the search needs to take them for an effect, in squares.
@@ -307,9 +296,10 @@ impl<'a> Half<'a> {
         let at = task.shares(point);
         let free: Vec<usize> = (0..task.common()).filter(|index| task.is_free(*index)).collect();
         let mut half = Half {
+            problem,
+            model: model.clone(),
             records,
             point,
-            sigma: &problem.sigma,
             spans: Vec::new(),
             here: Vec::new(),
             states: Vec::new(),
@@ -339,7 +329,7 @@ impl<'a> Half<'a> {
     }
 
     fn over_noise(&self, record: usize, course: &Course) -> Vec<f64> {
-        let tracks = course.iter().zip(self.sigma);
+        let tracks = course.iter().zip(&self.problem.sigma);
         self.there(record, tracks.flat_map(|(track, sigma)| track.iter().map(move |own| own / sigma)))
     }
 
@@ -355,7 +345,7 @@ impl<'a> Half<'a> {
             self.here.iter().zip(&change.outputs).map(|(here, change)| here + change).collect();
         let records = self.records.iter().zip(self.tracks(&all));
         let with = |(record, tracks): (&Record, Vec<&[f64]>)| {
-            let outputs = record.outputs.iter().zip(tracks).zip(self.sigma);
+            let outputs = record.outputs.iter().zip(tracks).zip(&self.problem.sigma);
             let outputs = outputs.map(|((data, track), sigma)| {
                 let data = data.iter().zip(track);
                 data.map(|(datum, value)| if datum.is_nan() { *datum } else { value * sigma }).collect()
@@ -363,6 +353,28 @@ impl<'a> Half<'a> {
             Record { outputs: outputs.collect(), ..record.clone() }
         };
         records.map(with).collect()
+    }
+
+    /// The records with a change, fitted from a point on; nothing where the patch cannot be run so.
+    fn fitted(&self, change: &Change, from: &Point) -> Option<Fitted> {
+        self.problem.task(&self.model, &self.with(change), true).fit(from)
+    }
+
+    /// The same with initial voltages alone found, as at a first look.
+    fn settled(&self, change: &Change, from: &Point) -> Option<Fitted> {
+        let records = self.with(change);
+        let task = Task { most_rounds: FIRST_HELD, ..self.problem.task(&self.model, &records, false) };
+        task.told(&task.settled(from)?)
+    }
+
+    /// What a fit leaves of a change that the effect's own initial voltages do not follow.
+    fn apart(&self, change: &Change, fitted: &Fitted) -> Vec<f64> {
+        let records = fitted.residuals.iter().enumerate();
+        let mut left: Vec<f64> =
+            records.flat_map(|(record, own)| self.there(record, own.iter().flatten().copied())).collect();
+        let states: Vec<_> = change.states.iter().map(|own| orthonormal(own.iter().cloned())).collect();
+        clear_states(&states, &self.spans, &mut left);
+        left
     }
 
     /// By how much an initial voltage of an effect is moved, from none on, to where it may be.
@@ -508,7 +520,7 @@ impl Tried<'_> {
     }
 
     /// Shares of the way to the end of a range and their margins, up to the first that shows.
-    fn margins(&self, home: f64, end: f64, shares: &[f64]) -> Vec<(f64, f64)> {
+    fn margins(&self, home: f64, end: f64, shares: &[f64]) -> Vec<Margin> {
         let candidate = &self.trial.candidate;
         let with = |strength: f64| [&[strength], self.rest].concat();
         let strengths: Vec<Vec<f64>> = shares.iter().map(|share| with(home + share * (end - home))).collect();
@@ -529,43 +541,44 @@ impl Tried<'_> {
         margins
     }
 
-    /// The margin of what a strength changes: to first order, and in full where it would show so.
+    /// The margin of what a strength changes: to first order, and in full where it would show so, if nothing was found: then this is
+    /// what is told.
     fn margin(&self, changes: &[Change; 2]) -> f64 {
         let margin = self.ground.margin(&self.ground.left(changes), self.need);
-        if margin < 1.0 {
+        if margin < 1.0 || self.ground.round.taken {
             return margin;
         }
-        let in_full = self.ground.left_in_full(changes).ok().flatten();
+        let in_full = self.ground.left_in_full(changes);
         in_full.map_or(margin, |left| self.ground.margin(&left, self.need))
     }
 }
 
-/// Tracks of all records and outputs one behind the other, 0 where there is no datum.
-fn in_a_row(residuals: &[Vec<Vec<f64>>]) -> Vec<f64> {
-    let all = residuals.iter().flatten().flatten();
-    all.map(|own| if own.is_nan() { 0.0 } else { *own }).collect()
+/// A share of the way to the end of a range, and the margin there.
+type Margin = (f64, f64);
+
+/// The first strength that shows, behind the one before it.
+fn first_that_shows(margins: &[Margin]) -> Option<(Option<Margin>, Margin)> {
+    let place = margins.iter().position(|(_, margin)| *margin >= 1.0)?;
+    Some((place.checked_sub(1).map(|before| margins[before]), margins[place]))
 }
 
 /// The first strength that shows and the one before it, where the margin grows far more steeply than with the square of the strength.
-fn steep(margins: &[(f64, f64)]) -> Option<[(f64, f64); 2]> {
-    let place = margins.iter().position(|(_, margin)| *margin >= 1.0)?;
-    let (below, above) = (margins[place.checked_sub(1)?], margins[place]);
+fn steep(margins: &[Margin]) -> Option<[Margin; 2]> {
+    let (before, above) = first_that_shows(margins)?;
+    let below = before?;
     let is_steep = below.1 <= 0.0 || (above.1 / below.1).ln() > STEEP * (above.0 / below.0).ln();
     is_steep.then_some([below, above])
 }
 
 /// Where a margin that grows with the square of a share, or faster, comes to 1; `goes_on` says whether it does so below the first.
-fn reaches_one(pairs: &[(f64, f64)], goes_on: bool) -> Option<f64> {
-    let place = pairs.iter().position(|(_, margin)| *margin >= 1.0)?;
-    let (share, margin) = pairs[place];
-    let Some((before, less)) = place.checked_sub(1).map(|before| pairs[before]) else {
-        return Some(if goes_on { share / margin.sqrt() } else { share });
-    };
-    if less <= 0.0 {
-        return Some(share);
-    }
-    let part = less.ln() / (less / margin).ln();
-    Some(before * (share / before).powf(part))
+fn reaches_one(margins: &[Margin], goes_on: bool) -> Option<f64> {
+    let (below, (share, margin)) = first_that_shows(margins)?;
+    Some(match below {
+        None if goes_on => share / margin.sqrt(),
+        None => share,
+        Some((_, less)) if less <= 0.0 => share,
+        Some((before, less)) => before * (share / before).powf(less.ln() / (less / margin).ln()),
+    })
 }
 
 /// Values of all parameters but the first, as fits begin with them; what has the unit of the first is another strength, and left

@@ -29,6 +29,7 @@ mod motion;
 mod normal;
 pub mod page;
 mod parts;
+pub mod places;
 mod probe;
 pub mod progress;
 mod provenance;

@@ -55,15 +55,11 @@ impl Record {
         }
     }
 
-    /// The same in so many pieces of equal length, none shorter than `least` samples.
+    /// The same in so many pieces, as even as whole samples allow; in fewer where one would be shorter than `least` samples.
     pub(super) fn pieces(&self, count: usize, least: usize) -> impl ExactSizeIterator<Item = Record> + '_ {
-        let length = self.len().div_ceil(count).max(least);
-        // What is left at the end goes with the last piece.
-        let count = (self.len() / length).max(1);
-        (0..count).map(move |piece| {
-            let end = if piece + 1 == count { self.len() } else { (piece + 1) * length };
-            self.piece(piece * length..end)
-        })
+        let count = count.min(self.len() / least).max(1);
+        let edge = move |piece: usize| piece * self.len() / count;
+        (0..count).map(move |piece| self.piece(edge(piece)..edge(piece + 1)))
     }
 
     /// The same in pieces of so many seconds.
@@ -168,7 +164,7 @@ mod tests {
         assert_eq!(pieces.iter().map(|piece| piece.since).collect::<Vec<_>>(), [0.0, 1.0, 2.0]);
         same(&pieces.iter().flat_map(|piece| piece.drives[0].clone()).collect::<Vec<_>>(), &record.drives[0]);
         let lengths = |count, least| record.pieces(count, least).map(|piece| piece.len()).collect::<Vec<_>>();
-        assert_eq!((lengths(4, 1), lengths(4, 4), lengths(2, 9)), (vec![2, 2, 2], vec![6], vec![6]));
+        assert_eq!((lengths(4, 1), lengths(4, 4), lengths(2, 9)), (vec![1, 2, 1, 2], vec![6], vec![6]));
     }
 
     #[test]

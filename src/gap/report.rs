@@ -54,7 +54,7 @@ impl Outcome {
             warnings.map(|own| format!("Of the experiment ({}): {}.", own.code.as_str(), own.message));
         let coarse = (!self.fineness.is_enough()).then(|| self.fineness.sentence());
         let noises = self.noises(experiment).into_iter().chain(self.louder(experiment));
-        let nameless = self.nameless.iter().map(|own| {
+        let nameless = self.places.nameless.iter().map(|own| {
             format!(
                 "{own} gives no signal with a scale, so that nothing was tried there: name what it gives under \"signals\"."
             )
@@ -146,7 +146,8 @@ impl Outcome {
 
     /// The effects that were not tried, as the patch has no place for them, in a sentence; nothing where it has for all.
     pub fn nowhere_told(&self) -> Option<String> {
-        (!self.nowhere.is_empty()).then(|| format!("The patch has no place for {}.", self.nowhere.join(", ")))
+        let nowhere = self.places.nowhere();
+        (!nowhere.is_empty()).then(|| format!("The patch has no place for {}.", nowhere.join(", ")))
     }
 
     /// The stage that is told of: the last one where something is named, else the patch as it was.
@@ -237,7 +238,7 @@ impl Outcome {
             "effects": effects.collect::<Vec<_>>(),
             "rivals": rivals.collect::<Vec<_>>(),
             "left_out": left_out.collect::<Vec<_>>(),
-            "nowhere": self.nowhere,
+            "nowhere": self.places.nowhere(),
             "gap": {
                 "before": gaps(problem, &self.base),
                 "after": gaps(problem, self.told()),

@@ -11,6 +11,7 @@ use super::effort::Effort;
 use super::graft::Attached;
 use super::limits::Limit;
 use super::model::ModelError;
+use super::places::Places;
 use super::progress::{Part, Progress};
 use super::round::{LEAST_CLOSED, LeftOut, Round};
 use super::separate::Separating;
@@ -19,7 +20,6 @@ use super::stage::{Asked, Problem, Stage, Untried};
 use super::starts::Agreement;
 use super::steps::Fineness;
 use super::whereabouts::Whereabouts;
-use crate::circuit::Circuit;
 use crate::patch::Patch;
 use crate::pool;
 use crate::spare;
@@ -84,10 +84,8 @@ pub struct Outcome {
     pub blind: Option<Blind>,
     /// The experiment that would tell two effects apart, where the data cannot.
     pub separating: Option<Separating>,
-    /// The effects that the patch as it was has no place for.
-    pub nowhere: Vec<String>,
-    /// The integrators of that patch at which none was tried, as they give no signal.
-    pub nameless: Vec<String>,
+    /// Where the patch as it was has room for effects; empty where none was tried.
+    pub places: Places,
     /// How finely the patch that is told of was run.
     pub fineness: Fineness,
 }
@@ -129,7 +127,7 @@ const CLEAR: f64 = 0.1;
 const CURVE: f64 = 0.5;
 /// So large a share of the gap may be left of an effect whose law has another shape than the library's; what several leave
 /// adds up in squares.
-const MOST_LEFT: f64 = 0.3;
+const MOST_LEFT: f64 = 0.4;
 
 impl Problem {
     /// Searches for what a patch lacks. `progress` is told how far it has come.
@@ -225,7 +223,6 @@ impl Problem {
         if is_doubtful && !is_sure(&base, &last, &rounds) && is_a_curve(&whereabouts, left) {
             verdict = Verdict::UnknownEffect;
         }
-        let sites = self.sites(&base)?;
         let is_ambiguous = verdict == Verdict::Ambiguous;
         let separating = if is_ambiguous { self.separating(&rounds)? } else { None };
         for round in &mut rounds {
@@ -238,8 +235,7 @@ impl Problem {
             fineness: self.fineness(if verdict.has_names() { &last } else { &base })?,
             agreement: self.agreement(&base, with.seed)?,
             correlations: self.correlations(&base)?,
-            nowhere: nowhere(&sites, with.library),
-            nameless: sites.nameless,
+            places: Places::of(&base.version.patch, &self.drives, with.library)?,
             base: self.with_errors(base)?,
             rounds,
             effects,
@@ -268,8 +264,7 @@ impl Problem {
             limits: Vec::new(),
             blind: Some(why),
             separating: None,
-            nowhere: Vec::new(),
-            nameless: Vec::new(),
+            places: Places::default(),
         })
     }
 
@@ -354,9 +349,7 @@ impl Problem {
     }
 
     pub(super) fn sites(&self, stage: &Stage) -> Result<Sites, ModelError> {
-        let circuit = Circuit::new(&stage.version.patch, &[])?;
-        let fed: Vec<&str> = self.drives.iter().map(|feed| feed.drive.as_str()).collect();
-        Ok(Sites::of(&circuit, &fed))
+        Ok(Sites::fed(&stage.version.patch, &self.drives)?)
     }
 
     fn verdict(&self, stage: &Stage, rounds: &[Round], left: f64, is_blind: bool) -> Verdict {
@@ -454,12 +447,6 @@ impl Problem {
         round.left_out = left_out;
         Ok(round)
     }
-}
-
-/// The effects for which there is no place.
-fn nowhere(sites: &Sites, library: &Library) -> Vec<String> {
-    let placeless = library.iter().filter(|effect| Attached::all(effect, sites).is_empty());
-    placeless.map(|effect| effect.name.clone()).collect()
 }
 
 /// Whether a stage leaves structure, and such a share of the gap that this is no small matter.

@@ -1,8 +1,11 @@
 //! Where a circuit leaves room for an effect: its junctions, the drives that data feed, the friction levels.
 
+use std::collections::HashSet;
+
+use super::experiment::Feed;
 use crate::circuit::{Circuit, SignalPoint};
 use crate::elements::Family;
-use crate::patch::{Amount, Dimension, Unit};
+use crate::patch::{Amount, Dimension, Patch, Report, Unit};
 
 /// A quantity as it can be read off a circuit.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +39,7 @@ pub struct Junction {
     pub is_motion: bool,
     /// Signals of the time integral of what it gives.
     pub positions: Vec<Reading>,
-    /// Signals and drives in the unit of the sum,
+    /// Signals that change and drives, in the unit of the sum,
     pub loads: Vec<Reading>,
     /// and those of them that are no drives.
     pub forces: Vec<Reading>,
@@ -84,6 +87,15 @@ pub struct Sites {
 }
 
 impl Sites {
+    /// The places of a patch of which data feed these drives.
+    ///
+    /// # Errors
+    /// When the patch cannot be wired.
+    pub fn fed(patch: &Patch, drives: &[Feed]) -> Result<Sites, Box<Report>> {
+        let fed: Vec<&str> = drives.iter().map(|feed| feed.drive.as_str()).collect();
+        Ok(Sites::of(&Circuit::new(patch, &[])?, &fed))
+    }
+
     /// The places of a circuit of which these drives are fed.
     pub fn of(circuit: &Circuit, fed: &[&str]) -> Sites {
         let wiring = Wiring::of(circuit);
@@ -227,8 +239,8 @@ impl<'c> Wiring<'c> {
         let is_load = |reading: &Reading| {
             measures(reading, sum.unit.dimension()) && Some(&reading.at) != at_sum.as_ref()
         };
-        let forces =
-            self.readings().filter(|(at, _)| self.root(*at).0 != element).map(|(_, reading)| reading);
+        let is_force = |at: usize| self.root(at).0 != element && self.varies(at);
+        let forces = self.readings().filter(|(at, _)| is_force(*at)).map(|(_, reading)| reading);
         let forces: Vec<Reading> = forces.filter(is_load).collect();
         Some(Junction {
             integrator: name.to_owned(),
@@ -240,6 +252,20 @@ impl<'c> Wiring<'c> {
             is_upright,
             sum,
         })
+    }
+
+    /// Whether its voltage can change in a run: a setting or level that parameters alone make cannot.
+    fn varies(&self, element: usize) -> bool {
+        let (mut open, mut seen) = (vec![element], HashSet::new());
+        while let Some(element) = open.pop() {
+            let kind = self.circuit.element(element).kind;
+            if kind.family == Family::Drive || kind.memory_law.is_some() {
+                return true;
+            }
+            let behind = self.circuit.cords(element).into_iter().map(|(from, _)| from);
+            open.extend(behind.filter(|from| seen.insert(*from)));
+        }
+        false
     }
 
     /// Whether the integrator only integrates what another gives, as position does velocity.

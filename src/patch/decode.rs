@@ -25,6 +25,9 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     let Some(mut fields) = Fields::of(root, "the patch", &mut findings) else {
         return Err(findings.remove(0));
     };
+    if let Some(finding) = another_kind(&fields) {
+        return Err(finding);
+    }
     version(&mut fields, &mut findings);
     patch.title = fields.text("title", &mut findings);
     patch.source = fields.text("source", &mut findings);
@@ -62,6 +65,31 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     }
     patch.findings = findings;
     Ok(())
+}
+
+/// Documents of other kinds: two keys of each, what to say of one, and what to do.
+const OTHER_KINDS: [([&str; 2], &str, &str); 2] = [
+    (
+        ["patch", "outputs"],
+        "this is an experiment, where a patch is needed",
+        "`patchcord gap` takes it; the patch is the file that it names",
+    ),
+    (
+        ["effect", "forms"],
+        "this is an effect, where a patch is needed",
+        "`patchcord gap EXPERIMENT.json --effects DIR` tries the effects of a folder; docs/effects.md tells more",
+    ),
+];
+
+/// That a document of another kind was given.
+fn another_kind(fields: &Fields<'_>) -> Option<Diagnostic> {
+    let at = |key: &str| fields.entries.iter().find(|(entry, _)| entry.key == key).map(|(entry, _)| entry);
+    if at("patchcord").is_some() {
+        return None;
+    }
+    let (keys, message, hint) =
+        OTHER_KINDS.into_iter().find(|kind| kind.0.iter().all(|key| at(key).is_some()))?;
+    Some(Diagnostic::at(Code::UnknownKey, at(keys[0])?.key_span, message).hint(hint))
 }
 
 fn empty(root: &Node) -> Diagnostic {

@@ -27,9 +27,12 @@ fn effects_of_a_folder_join_and_wrong_ones_are_told() {
     let asked = ["effects", "creep", "--effects", folder.path().to_str().unwrap()];
     assert!(out(&patchcord(&asked)).starts_with("creep: "));
     std::fs::write(folder.path().join("wrong.json"), "{\"effect\": 1}").unwrap();
+    std::fs::write(folder.path().join("worse.json"), "{").unwrap();
     let told = patchcord(&asked);
     assert_eq!(code(&told), 1);
-    assert!(errors(&told).contains("an effect needs \"title\""), "{}", errors(&told));
+    for wanted in ["an effect needs \"title\"", "wrong.json: ", "worse.json: 1 error"] {
+        assert!(errors(&told).contains(wanted), "{}", errors(&told));
+    }
 }
 
 #[test]

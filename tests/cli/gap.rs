@@ -26,6 +26,21 @@ fn the_check_of_data_is_a_table_a_record() {
         position.contains("signal x") && position.contains("white") && position.contains("10 µm"),
         "{position}"
     );
+    assert!(text.contains("would be tried at F: actuator-lag, backlash, "), "{text}");
+    assert!(text.contains("has no place in the patch: leak, load-dependent-friction, overflow\n"), "{text}");
+}
+
+#[test]
+fn effects_of_ones_own_are_checked_with_the_data() {
+    let folder = tempfile::tempdir().unwrap();
+    let asked = ["gap", SLIDE, "--check", "--effects", folder.path().to_str().unwrap()];
+    let own = std::fs::read_to_string("patches/effects/saturation.json").unwrap();
+    std::fs::write(folder.path().join("weak-motor.json"), &own).unwrap();
+    assert!(out(&patchcord(&asked)).contains("time-delay, weak-motor\n"));
+    std::fs::write(folder.path().join("weak-motor.json"), own.replace("\"drive\"", "\"drove\"")).unwrap();
+    let told = patchcord(&asked);
+    assert_eq!((code(&told), out(&told).as_str()), (1, ""));
+    assert!(errors(&told).contains("weak-motor.json:"), "{}", errors(&told));
 }
 
 #[test]

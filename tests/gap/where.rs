@@ -136,16 +136,13 @@ fn inflow(time: f64) -> f64 {
 
 /// A hill of force at 0.05 m pushes an oscillator away.
 pub fn oscillator() -> Hidden {
-    Hidden {
-        drive: ("F", |time| {
-            14.0 * (8.0 * time).sin() + 16.0 * (11.3 * time).sin() + 10.0 * (3.1 * time).sin()
-        }),
-        ..pushed(hill)
-    }
+    let drive =
+        |time: f64| 14.0 * (8.0 * time).sin() + 16.0 * (11.3 * time).sin() + 10.0 * (3.1 * time).sin();
+    pushed(hill, drive)
 }
 
-/// An oscillator that is pushed by a force over its position.
-fn pushed(force: fn(f64) -> f64) -> Hidden {
+/// An oscillator that is pushed by a force over its position, and by a drive.
+fn pushed(force: fn(f64) -> f64, drive: fn(f64) -> f64) -> Hidden {
     let points: Vec<[f64; 2]> =
         (-50..=50).map(|volts| [f64::from(volts), force(0.004 * f64::from(volts)) / 2.0]).collect();
     Hidden {
@@ -155,10 +152,7 @@ fn pushed(force: fn(f64) -> f64) -> Hidden {
             (&["elements", "BG"], json!({"kind": "inverter", "in": "G1"})),
             (&["elements", "SF", "in", "x1"], json!(["BF", "BG"])),
         ],
-        drive: ("F", |time| {
-            let tones = [(4.0, 2.5), (3.0, 5.7), (3.0, 10.7), (3.0, 14.5), (2.0, 19.5)];
-            tones.iter().map(|(amplitude, speed)| amplitude * (speed * time).sin()).sum()
-        }),
+        drive: ("F", drive),
         outputs: &[("x", 3e-4)],
         fit: &["M", "k", "c"],
         interval: 0.005,
@@ -233,7 +227,11 @@ fn a_hill_of_force_goes_with_position_and_becomes_a_function_generator() {
 #[test]
 fn a_curve_that_leads_astray_is_found_through_ever_more_of_the_record() {
     let spring = |x: f64| -3000.0 * x * x;
-    let (problem, stage) = pushed(spring).fitted();
+    let tones = |time: f64| {
+        let tones = [(4.0, 2.5), (3.0, 5.7), (3.0, 10.7), (3.0, 14.5), (2.0, 19.5)];
+        tones.iter().map(|(amplitude, speed)| amplitude * (speed * time).sin()).sum()
+    };
+    let (problem, stage) = pushed(spring, tones).fitted();
     assert!(stage.gap() > 10.0, "{}", stage.gap());
     let found = problem.whereabouts(&stage, 2).unwrap();
     assert_eq!((found[0].junction.as_str(), found[0].best_against()), ("IV", "x"));

@@ -37,9 +37,9 @@ pub enum EffectError {
         /// The folder.
         folder: String,
     },
-    /// A file is no effect.
-    #[error(transparent)]
-    Text(#[from] Box<Report>),
+    /// Files are no effects: what is wrong with each.
+    #[error("{}", .0.iter().map(Report::to_string).collect::<String>())]
+    Text(Vec<Report>),
 }
 
 impl Library {
@@ -60,7 +60,7 @@ impl Library {
     /// its place.
     ///
     /// # Errors
-    /// When the folder or a file in it cannot be read, or is no effect.
+    /// When the folder or a file in it cannot be read, or files in it are no effects: all of them at once.
     pub fn and_folder(mut self, folder: &Path) -> Result<Library, EffectError> {
         let refused = |path: &Path, source| EffectError::File { file: path.display().to_string(), source };
         let entries = std::fs::read_dir(folder).map_err(|source| refused(folder, source))?;
@@ -71,16 +71,25 @@ impl Library {
             return Err(EffectError::None { folder: folder.display().to_string() });
         }
         files.sort();
+        let mut wrong = Vec::new();
         for file in files {
             let text = std::fs::read_to_string(&file).map_err(|source| refused(&file, source))?;
             let name = file.display().to_string();
-            let effect = Effect::parse(&name, &text)?;
-            probe::check(&name, &text, &effect)?;
+            let effect = match own(&name, &text) {
+                Ok(effect) => effect,
+                Err(report) => {
+                    wrong.push(*report);
+                    continue;
+                }
+            };
             if self.add(effect).is_some() {
                 self.notes.push(format!(
                     "{name} takes the place of the effect of that name that comes with the program"
                 ));
             }
+        }
+        if !wrong.is_empty() {
+            return Err(EffectError::Text(wrong));
         }
         self.notes.extend(self.unknown_aliases());
         Ok(self)
@@ -113,4 +122,11 @@ impl Library {
     pub fn get(&self, name: &str) -> Option<&Effect> {
         self.effects.get(name)
     }
+}
+
+/// An effect of one's own, which must not only be read but wired, too.
+fn own(name: &str, text: &str) -> Result<Effect, Box<Report>> {
+    let effect = Effect::parse(name, text)?;
+    probe::check(name, text, &effect)?;
+    Ok(effect)
 }
