@@ -5,7 +5,7 @@ use patchcord::gap::Experiment;
 use patchcord::gap::limits::{Limit, best_places};
 use patchcord::gap::round::Round;
 use patchcord::gap::search::{Outcome, Verdict};
-use patchcord::gap::stage::{Problem, Stage};
+use patchcord::gap::stage::Problem;
 use patchcord::gap::whereabouts::{self, Whereabouts};
 use patchcord::instruments::number;
 
@@ -14,7 +14,7 @@ const TOLD: usize = 8;
 
 pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome) -> String {
     let mut text = format!("{}: {}\n", experiment.file, outcome.sentence());
-    text += &format!("\n{}", parameters(outcome.told()).text());
+    text += &format!("\n{}", parameters(outcome).text());
     text.extend(outcome.told().untold().map(|own| format!("{own}\n")));
     text += &format!("\n{}", gaps(problem, outcome).text());
     text.extend(outcome.doubts(experiment).into_iter().map(|own| own + "\n"));
@@ -34,12 +34,13 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
     text
 }
 
-fn parameters(stage: &Stage) -> Table {
-    let mut table = Table::new(["fitted", "value", "standard error", "unit"]);
+fn parameters(outcome: &Outcome) -> Table {
+    let stage = outcome.told();
+    let mut table = Table::new(["fitted", "value", "standard error", "unit", "of"]);
     for (place, name) in stage.version.fit.iter().enumerate() {
         let unit = stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
         let value = number(stage.train.point.knobs[place]);
-        table.row([name.clone(), value, stage.error_told(place), unit.to_owned()]);
+        table.row([name.clone(), value, stage.error_told(place), unit.to_owned(), outcome.owner(name)]);
     }
     table
 }
@@ -57,7 +58,7 @@ fn gaps(problem: &Problem, outcome: &Outcome) -> Table {
 /// Where and when something is missing.
 fn place(found: &[Whereabouts]) -> String {
     let Some(sentence) = whereabouts::sentence(found) else { return String::new() };
-    let mut text = format!("\n{sentence}\n\n");
+    let mut text = format!("\nfound without the library: {sentence}\n\n");
     let mut table = Table::new(["at", "unit", "closes of the gap over time", "evidence", "goes with"]);
     for own in found {
         let share = format!("{} %", number(100.0 * own.explains));

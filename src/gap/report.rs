@@ -150,6 +150,12 @@ impl Outcome {
         (!nowhere.is_empty()).then(|| format!("The patch has no place for {}.", nowhere.join(", ")))
     }
 
+    /// What a fitted parameter belongs to: the effect that brought it and where that acts, or the patch.
+    pub fn owner(&self, parameter: &str) -> String {
+        let brings = |own: &&Candidate| own.graft.parameters.iter().any(|brought| brought.name == parameter);
+        self.effects.iter().find(brings).map_or_else(|| "the patch".to_owned(), Candidate::named)
+    }
+
     /// The stage that is told of: the last one where something is named, else the patch as it was.
     pub fn told(&self) -> &Stage {
         if self.verdict.has_names() { &self.last } else { &self.base }

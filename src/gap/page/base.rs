@@ -16,7 +16,7 @@ pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
         over_noise(&stage.train),
         over_noise(&stage.test),
         told.outcome.agreement.sentence(),
-        parameters(stage),
+        parameters(told.outcome, stage),
         told.pictures(&[("the patch as it is", stage)])?,
         goes_with(&told.outcome.correlations)
     ))

@@ -21,7 +21,7 @@ pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
     let notes = fine.into_iter().chain(told.outcome.doubts(told.experiment));
     text.extend(notes.map(|own| format!("<p>{}</p>\n", escaped(&own))));
     if told.outcome.verdict.has_names() {
-        text += &parameters(last);
+        text += &parameters(told.outcome, last);
         // After one round the same pictures stand there.
         if told.outcome.rounds.iter().filter(|round| round.taken).count() > 1 {
             text += &told.pictures(&[("before", base), ("after", last)])?;

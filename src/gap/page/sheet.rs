@@ -1,6 +1,7 @@
 //! What the sections of a page are made of: numbers, tables, pictures.
 
 use crate::gap::fit::Fitted;
+use crate::gap::search::Outcome;
 use crate::gap::stage::Stage;
 use crate::html::escaped;
 pub(super) use crate::instruments::number;
@@ -38,16 +39,16 @@ pub(super) fn bar(share: f64) -> String {
     format!("<span class=\"lane\"><span class=\"bar\" style=\"width:{percent:.1}%\"></span></span>")
 }
 
-/// The parameters of a stage as they were fitted.
-pub(super) fn parameters(stage: &Stage) -> String {
+/// The parameters of a stage as they were fitted, and what each belongs to.
+pub(super) fn parameters(outcome: &Outcome, stage: &Stage) -> String {
     let rows = stage.version.fit.iter().enumerate().map(|(place, name)| {
         let known = stage.version.patch.parameters.get(name);
         let (unit, what) = known.map_or(("1", ""), |own| (own.unit.text(), own.description.as_str()));
         let (value, error) = (number(stage.train.point.knobs[place]), stage.error_told(place));
-        (false, vec![escaped(name), value, error, escaped(unit), escaped(what)])
+        (false, vec![escaped(name), value, error, escaped(unit), escaped(what), escaped(&outcome.owner(name))])
     });
     let untold = stage.untold().map(|own| format!("<p>{}</p>\n", escaped(&own)));
-    table(&["fitted", "value", "standard error", "unit", "what it is"], rows) + &untold.unwrap_or_default()
+    table(&["fitted", "value", "standard error", "unit", "what it is", "of"], rows) + &untold.unwrap_or_default()
 }
 
 /// Pictures side by side, as far as there is room.
