@@ -112,7 +112,7 @@ fn searched(
     let found = problem.search(&experiment.patch, &experiment.fit, &with, progress).map_err(failed)?;
     let outcome = found.ok_or_else(|| {
         Failure::data(format!(
-            "{} cannot be run beside the data from any of the points tried: look at its scales and at the ranges of what is fitted",
+            "{} cannot be run beside the data from any of the points tried: look at its scales and at the ranges of what is fitted, or let runs begin anew, by \"pieces\" in the experiment",
             experiment.patch.file()
         ))
     })?;

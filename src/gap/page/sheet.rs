@@ -45,10 +45,11 @@ pub(super) fn parameters(outcome: &Outcome, stage: &Stage) -> String {
         let known = stage.version.patch.parameters.get(name);
         let (unit, what) = known.map_or(("1", ""), |own| (own.unit.text(), own.description.as_str()));
         let (value, error) = (number(stage.train.point.knobs[place]), stage.error_told(place));
-        (false, vec![escaped(name), value, error, escaped(unit), escaped(what), escaped(&outcome.owner(name))])
+        (false, [name, &value, &error, unit, what, &outcome.owner(name)].map(|cell| escaped(cell)).into())
     });
     let untold = stage.untold().map(|own| format!("<p>{}</p>\n", escaped(&own)));
-    table(&["fitted", "value", "standard error", "unit", "what it is", "of"], rows) + &untold.unwrap_or_default()
+    let headings = ["fitted", "value", "standard error", "unit", "what it is", "of"];
+    table(&headings, rows) + &untold.unwrap_or_default()
 }
 
 /// Pictures side by side, as far as there is room.
