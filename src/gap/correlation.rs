@@ -131,7 +131,7 @@ fn fewest_pairs(tracks: &[Tracks<'_>], lags: &[f64]) -> usize {
 /// its size at so many lags, where so many pairs, at least, remember so long.
 fn chance(lags: usize, memory: f64, pairs: usize) -> f64 {
     let tried = (2.0 * lags as f64).max(1.0);
-    deviations(MISSED / tried) * (memory / pairs.max(1) as f64).sqrt()
+    (deviations(MISSED / tried) * (memory / pairs.max(1) as f64).sqrt()).min(1.0)
 }
 
 /// So often chance brings more.

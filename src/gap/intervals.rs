@@ -7,6 +7,7 @@ use super::model::{Course, ModelError};
 use super::normal::{Column, Normal, Spread, product};
 use super::score::{in_blocks, together};
 use super::stage::{Problem, Stage};
+use crate::instruments::number;
 use crate::pool;
 
 /// The standard errors, from twenty blocks, on either side of a value between which it lies in 95 of 100 cases: Student.
@@ -37,6 +38,12 @@ pub struct Known {
 impl Known {
     /// What the data do not tell.
     pub const NOT: Known = Known { error: f64::INFINITY, interval: [f64::NEG_INFINITY, f64::INFINITY] };
+
+    /// Its interval in words: from where to where, or "anything".
+    pub fn interval_told(&self) -> String {
+        let [low, high] = self.interval.map(number);
+        if self.error.is_finite() { format!("{low} ... {high}") } else { "anything".to_owned() }
+    }
 }
 
 /// So often a fit is gone on from what is better at an end of an interval.

@@ -47,7 +47,8 @@ impl Outcome {
     pub fn recovered(&self, experiment: &Experiment, file: &str) -> Result<Option<Patch>, ModelError> {
         let Some(found) = self.unnamed() else { return Ok(None) };
         let (force, before) = (force(found), left(&self.base));
-        let share = number(100.0 * found.explains);
+        let closes = found.best.map_or(found.explains, |best| found.curves[best].explains);
+        let share = number(100.0 * closes);
         let told =
             format!("with a force {force}. Before: {before} The force closes {share} % of that in training.");
         finished(&found.recovered, experiment, &told, file).map(Some)
@@ -61,12 +62,8 @@ impl Outcome {
 
     fn effect(&self, own: &Candidate, round: &Round) -> String {
         let parameters = self.last.brought(own).map(|(own, value, known)| {
-            let [low, high] = known.interval;
-            let between = match known.error.is_finite() {
-                true => format!("{} ... {}", number(low), number(high)),
-                false => "anything".to_owned(),
-            };
-            format!("{} = {}{} (95 %: {between})", own.name, number(value), behind(&own.unit))
+            let (value, between) = (number(value), known.interval_told());
+            format!("{} = {value}{} (95 %: {between})", own.name, behind(&own.unit))
         });
         let parameters: Vec<String> = parameters.collect();
         let or = round.rival().map(|rival| format!(" (or {}: the data cannot tell)", rival.named()));

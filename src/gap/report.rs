@@ -25,6 +25,11 @@ impl Stage {
         if error.is_finite() { number(error) } else { "not told".to_owned() }
     }
 
+    /// Between which values what is fitted at a place lies in 95 of 100 cases, as it is told.
+    pub fn interval_told(&self, place: usize) -> String {
+        self.known(place).interval_told()
+    }
+
     /// What the data do not tell of what is fitted, in a sentence; nothing where they tell of all.
     pub fn untold(&self) -> Option<String> {
         let untold =
@@ -43,6 +48,8 @@ impl Stage {
 const FAR_LESS: f64 = 0.5;
 /// nor by so much more, where it looks like noise.
 const FAR_MORE: f64 = 2.0;
+/// What is left of the data held back lies less than so many standard deviations above that of training by chance.
+const BY_CHANCE: f64 = 5.0;
 
 impl Outcome {
     /// What the reader should doubt, in sentences: ranges at whose end the patch stands, more noise than there can be, a solver that
@@ -62,12 +69,8 @@ impl Outcome {
         self.at_ends().into_iter().chain(noises).chain(nameless).chain(coarse).chain(warned).collect()
     }
 
-    /// Which parameters of the patch stand at an end of their ranges, where something seems to be missing: as it was, or beside
-    /// what is named.
+    /// Which parameters of the patch stand at an end of their ranges: as it was, or beside what is named.
     fn at_ends(&self) -> Vec<String> {
-        if self.verdict == Verdict::NothingMissing {
-            return Vec::new();
-        }
         let told = |stage: &Stage, place: usize| {
             let name = &stage.version.fit[place];
             let unit = stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
@@ -75,7 +78,10 @@ impl Outcome {
         };
         let before = self.base.at_end().map(|place| {
             let at = told(&self.base, place);
-            format!("The patch as it was is fitted best with {at}: what seems to be missing may be a value beyond it.")
+            match self.verdict {
+                Verdict::NothingMissing => format!("The patch is fitted best with {at}: it may stand in for something that is missing."),
+                _ => format!("The patch as it was is fitted best with {at}: what seems to be missing may be a value beyond it."),
+            }
         });
         let beside = self.last.newly_at_end(&self.base).filter(|_| self.verdict.has_names()).map(|place| {
             let at = told(&self.last, place);
@@ -131,9 +137,10 @@ impl Outcome {
                     number(train)
                 )
             });
-            let held = has_changed(train, test).then(|| {
+            let is_louder = has_changed(train, test) || is_beyond_chance(stage, train, test);
+            let held = is_louder.then(|| {
                 format!(
-                    "Of {} {} times its noise is left of the data held back, and {} in training: what holds there has changed by then.",
+                    "Of {} {} times its noise is left of the data held back, and {} in training, which is more than chance brings: something has changed by then, or shows there alone.",
                     output.signal,
                     number(test),
                     number(train)
@@ -227,9 +234,9 @@ impl Outcome {
     /// The report as a JSON document.
     pub fn document(&self, problem: &Problem) -> Value {
         let taken = self.effects.iter().zip(&self.rounds).filter(|_| self.verdict.has_names());
-        let effects = taken.flat_map(|(own, round)| {
-            let rival = round.rival().map(|trial| effect(&trial.candidate, &trial.stage));
-            [effect(own, &self.last)].into_iter().chain(rival)
+        let effects = taken.enumerate().flat_map(|(place, (own, round))| {
+            let rival = round.rival().map(|trial| effect(place + 1, &trial.candidate, &trial.stage));
+            [effect(place + 1, own, &self.last)].into_iter().chain(rival)
         });
         let rivals = self.rounds.iter().enumerate().flat_map(|(number, round)| {
             round.trials.iter().map(move |trial| rival(number + 1, round, trial))
@@ -306,7 +313,11 @@ impl Round {
             number(self.confirmed.sum),
             number(self.confirmed.error)
         );
-        let score = format!("{} is the best, with a score of {}", best.named(), number(best.score));
+        let beside = match self.beside.is_empty() {
+            true => String::new(),
+            false => format!("Beside {}, ", self.beside.join(" and ")),
+        };
+        let score = format!("{beside}{} is the best, with a score of {}", best.named(), number(best.score));
         match (self.taken, self.tied) {
             (true, 1) => format!("{score}; {held}. It is taken."),
             (true, 2) => {
@@ -347,12 +358,13 @@ impl Trial {
     }
 }
 
-/// An effect as it stands in the patch of a stage.
-fn effect(candidate: &Candidate, stage: &Stage) -> Value {
+/// An effect as it stands in the patch of a stage; two of one step are those that the data cannot tell apart.
+fn effect(step: usize, candidate: &Candidate, stage: &Stage) -> Value {
     let parameters = stage.brought(candidate);
     let parameters =
         parameters.map(|(own, value, error)| (own.of.clone(), measured(value, error, &own.unit)));
     json!({
+        "step": step,
         "name": candidate.effect,
         "form": candidate.note,
         "junction": candidate.junction,
@@ -386,6 +398,8 @@ fn round_document(number: usize, round: &Round) -> Value {
         "closes": round.closed(),
         "confirmed": {"by": sum, "error": error},
         "from_white": round.trials.first().map(|best| best.stage.colour),
+        "beside": round.beside,
+        "gap": {"before": round.before.train.over_noise(), "best": round.trials.first().map(|best| best.stage.train.over_noise())},
     })
 }
 
@@ -413,6 +427,13 @@ fn over_sigma(fitted: &Fitted, output: usize) -> f64 {
     let tracks = fitted.residuals.iter().flat_map(|record| record[output].iter());
     let squares: Vec<f64> = tracks.filter(|own| !own.is_nan()).map(|own| own * own).collect();
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+}
+
+/// Whether what was held back leaves more than training by so much that it is no chance.
+fn is_beyond_chance(stage: &Stage, train: f64, test: f64) -> bool {
+    let [learnt, held] = [&stage.train, &stage.test].map(|fitted| 2.0 * stage.memory / fitted.count as f64);
+    let (was, is) = (train.max(1.0).powi(2), test.powi(2));
+    is - was > BY_CHANCE * (learnt * was * was + held * is * is).sqrt()
 }
 
 fn gaps(problem: &Problem, stage: &Stage) -> Value {

@@ -39,8 +39,8 @@ pub struct LeftOut {
 pub struct Round {
     /// The patch without the effects that were tried.
     pub before: Stage,
-    /// Whether that has no effect yet that was found.
-    pub is_first: bool,
+    /// The effects that stand in that, found in other rounds: none in the first, unless that was gone through again beside the others.
+    pub beside: Vec<String>,
     /// Every trial, the best first.
     pub trials: Vec<Trial>,
     /// What could not be tried.
@@ -126,7 +126,7 @@ impl Round {
         let mut tried: Vec<(Candidate, Stage)> =
             self.trials.iter().map(|trial| (trial.candidate.clone(), trial.stage.clone())).collect();
         tried.first_mut()?.1 = taken;
-        let again = Round::of(&self.before, self.is_first, tried);
+        let again = Round::of(&self.before, self.beside.clone(), tried);
         let best = again.is_gone_on_from().then(|| again.trials[0].clone())?;
         *self = Round { left_out: mem::take(&mut self.left_out), ..again };
         Some(best)
@@ -146,11 +146,11 @@ impl Round {
     /// like noise. An effect whose law has another shape than the library's leaves something, too.
     pub fn closes_enough(&self) -> bool {
         let leaves_noise = self.trials.first().is_some_and(|best| !best.stage.leaves_structure());
-        self.is_first || leaves_noise || self.closed() > LEAST_CLOSED
+        self.beside.is_empty() || leaves_noise || self.closed() > LEAST_CLOSED
     }
 
     /// Trials on a stage, judged.
-    pub(super) fn of(before: &Stage, is_first: bool, tried: Vec<(Candidate, Stage)>) -> Round {
+    pub(super) fn of(before: &Stage, beside: Vec<String>, tried: Vec<(Candidate, Stage)>) -> Round {
         let unit = unit(tried.iter().map(|(_, stage)| stage));
         let each = (before.train.count as f64 / unit.1).ln();
         let score = |stage: &Stage| {
@@ -167,10 +167,10 @@ impl Round {
         let mut trials: Vec<Trial> = tried.into_iter().map(trial).collect();
         trials.sort_by(|a, b| b.score.total_cmp(&a.score));
         let needed = CHANCE + TRIED * (trials.len().max(1) as f64).ln();
-        let needed = if is_first { needed } else { BESIDE * needed };
+        let needed = if beside.is_empty() { needed } else { BESIDE * needed };
         let mut round = Round {
             before: before.clone(),
-            is_first,
+            beside,
             trials,
             left_out: Vec::new(),
             confirmed: nothing,
@@ -312,7 +312,7 @@ mod tests {
     /// The best of a round, and how many the data cannot tell apart.
     fn judged(like: &(Candidate, Stage), tried: Vec<(Candidate, Stage)>) -> (String, usize) {
         let (_, before) = trial(like, "", 2, 100.0, [100.0; 2]);
-        let round = Round::of(&before, true, tried);
+        let round = Round::of(&before, Vec::new(), tried);
         (round.trials[0].candidate.effect.clone(), round.tied)
     }
 

@@ -127,7 +127,7 @@ const CLEAR: f64 = 0.1;
 const CURVE: f64 = 0.5;
 /// So large a share of the gap may be left of an effect whose law has another shape than the library's; what several leave
 /// adds up in squares.
-const MOST_LEFT: f64 = 0.4;
+const MOST_LEFT: f64 = 0.35;
 
 impl Problem {
     /// Searches for what a patch lacks. `progress` is told how far it has come.
@@ -443,7 +443,7 @@ impl Problem {
             .zip(again)
             .map(|((candidate, stage), again)| Ok::<_, ModelError>((candidate, again?.unwrap_or(stage))));
         let tried = tried.collect::<Result<_, _>>()?;
-        let mut round = Round::of(stage, effects.is_empty(), tried);
+        let mut round = Round::of(stage, effects.iter().map(Candidate::named).collect(), tried);
         round.left_out = left_out;
         Ok(round)
     }

@@ -114,14 +114,21 @@ fn noise_that_is_told_too_small_or_too_large_is_doubted() {
 }
 
 #[test]
-fn what_holds_in_training_only_cannot_be_judged() {
-    let (experiment, mut problem) = nothing();
-    let wild =
-        |(place, x): (usize, &mut f64)| *x += if place % 2 == 0 { 3.0 } else { -3.0 } * problem.sigma[0];
-    problem.test.iter_mut().flat_map(|record| record.outputs[0].iter_mut().enumerate()).for_each(wild);
-    let found = searched_for(&["constant-bias"], &experiment, &problem);
-    assert_eq!(found.verdict, Verdict::CannotJudge);
-    assert!(found.sentence().ends_with("something has changed by then"), "{}", found.sentence());
+fn what_holds_in_training_only_cannot_be_judged_or_is_doubted() {
+    let shaken = |sigmas: f64| {
+        let (experiment, mut problem) = nothing();
+        let by = sigmas * problem.sigma[0];
+        let wild = |(place, x): (usize, &mut f64)| *x += if place % 2 == 0 { by } else { -by };
+        problem.test.iter_mut().flat_map(|record| record.outputs[0].iter_mut().enumerate()).for_each(wild);
+        let found = searched_for(&["constant-bias"], &experiment, &problem);
+        (found.verdict, found.sentence(), found.doubts(&experiment))
+    };
+    let (verdict, sentence, _) = shaken(3.0);
+    assert_eq!(verdict, Verdict::CannotJudge);
+    assert!(sentence.ends_with("something has changed by then"), "{sentence}");
+    let (verdict, _, doubts) = shaken(0.7);
+    assert_eq!(verdict, Verdict::NothingMissing);
+    assert!(doubts.len() == 1 && doubts[0].contains("which is more than chance brings"), "{doubts:?}");
 }
 
 #[test]

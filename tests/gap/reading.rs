@@ -257,7 +257,7 @@ proptest! {
 fn the_measurements_that_are_not_ours_can_be_read() {
     let tanks = Path::new("../shared/data/cascaded_tanks/dataBenchmark.csv");
     let Ok(text) = fs::read_to_string(tanks) else {
-        println!("{} is not here", tanks.display());
+        eprintln!("{} is not here", tanks.display());
         return;
     };
     let folder = folder();

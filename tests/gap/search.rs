@@ -5,6 +5,7 @@ use std::path::Path;
 
 use patchcord::circuit::Circuit;
 use patchcord::gap::Experiment;
+use patchcord::gap::candidate::Candidate;
 use patchcord::gap::effect::Library;
 use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::stage::Problem;
@@ -139,10 +140,12 @@ fn two_effects_are_named_at_their_places() {
         all.map(|own| format!("{} {}", own["name"], own["junction"])).collect()
     };
     assert_eq!(places(&document["effects"]), places(&truth["effects"]));
-    assert_eq!(
-        document["rounds"].as_array().unwrap().iter().filter(|round| round["taken"] == true).count(),
-        2
-    );
+    let rounds = document["rounds"].as_array().unwrap();
+    assert_eq!(rounds.iter().filter(|round| round["taken"] == true).count(), 2);
+    // Each was looked at again beside the other.
+    let named: Vec<String> = found.effects.iter().map(Candidate::named).collect();
+    assert_eq!([&rounds[0]["beside"][0], &rounds[1]["beside"][0]], [&named[1][..], &named[0][..]]);
+    assert_eq!(document["effects"][1]["step"], 2);
     let leak = document["effects"].as_array().unwrap().iter().find(|own| own["name"] == "leak").unwrap();
     let wanted = truth["effects"][0]["parameters"]["g"]["value"].as_f64().unwrap();
     assert!((leak["parameters"]["g"]["value"].as_f64().unwrap() / wanted - 1.0).abs() < 0.05, "{leak}");

@@ -44,11 +44,17 @@ pub(super) fn parameters(outcome: &Outcome, stage: &Stage) -> String {
     let rows = stage.version.fit.iter().enumerate().map(|(place, name)| {
         let known = stage.version.patch.parameters.get(name);
         let (unit, what) = known.map_or(("1", ""), |own| (own.unit.text(), own.description.as_str()));
-        let (value, error) = (number(stage.train.point.knobs[place]), stage.error_told(place));
-        (false, [name, &value, &error, unit, what, &outcome.owner(name)].map(|cell| escaped(cell)).into())
+        let value = number(stage.train.point.knobs[place]);
+        let (error, interval) = (stage.error_told(place), stage.interval_told(place));
+        (
+            false,
+            [name, &value, &error, &interval, unit, what, &outcome.owner(name)]
+                .map(|cell| escaped(cell))
+                .into(),
+        )
     });
     let untold = stage.untold().map(|own| format!("<p>{}</p>\n", escaped(&own)));
-    let headings = ["fitted", "value", "standard error", "unit", "what it is", "of"];
+    let headings = ["fitted", "value", "standard error", "95 %", "unit", "what it is", "of"];
     table(&headings, rows) + &untold.unwrap_or_default()
 }
 
