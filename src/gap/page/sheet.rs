@@ -46,12 +46,7 @@ pub(super) fn parameters(outcome: &Outcome, stage: &Stage) -> String {
         let (unit, what) = known.map_or(("1", ""), |own| (own.unit.text(), own.description.as_str()));
         let value = number(stage.train.point.knobs[place]);
         let (error, interval) = (stage.error_told(place), stage.interval_told(place));
-        (
-            false,
-            [name, &value, &error, &interval, unit, what, &outcome.owner(name)]
-                .map(|cell| escaped(cell))
-                .into(),
-        )
+        (false, [name, &value, &error, &interval, unit, what, &outcome.owner(name)].map(escaped).into())
     });
     let untold = stage.untold().map(|own| format!("<p>{}</p>\n", escaped(&own)));
     let headings = ["fitted", "value", "standard error", "95 %", "unit", "what it is", "of"];
