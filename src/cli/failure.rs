@@ -165,7 +165,7 @@ impl From<ExperimentError> for Failure {
 impl From<EffectError> for Failure {
     fn from(error: EffectError) -> Self {
         match error {
-            EffectError::Text(reports) => Failure::new(Cause::Several("effect", reports)),
+            EffectError::Wrong(reports) => Failure::new(Cause::Several("effect", reports)),
             error => Failure::data(error.to_string()),
         }
     }

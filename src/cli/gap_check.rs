@@ -1,4 +1,4 @@
-//! `patchcord gap --check`: what data are like, in words and as a document.
+//! `patchcord gap --check`: what data are like, and where effects would be tried, in words and as a document.
 
 use indexmap::IndexMap;
 use serde_json::{Value, json};
@@ -43,14 +43,9 @@ fn tried(places: &Places) -> String {
     let told =
         |(place, effects): (&str, Vec<&str>)| format!("would be tried at {place}: {}\n", effects.join(", "));
     let mut text: String = at.into_iter().map(told).collect();
-    let nowhere = places.nowhere();
-    if !nowhere.is_empty() {
-        text += &format!("has no place in the patch: {}\n", nowhere.join(", "));
-    }
-    let nameless = places.nameless.iter().map(|own| {
-        format!("{own}: nothing would be tried there, as it gives no signal with a scale; name what it gives under \"signals\"\n")
-    });
-    text + &nameless.collect::<String>()
+    let told = places.nowhere_told().into_iter().chain(places.nameless_told());
+    text.extend(told.map(|own| own + "\n"));
+    text
 }
 
 fn verdict(warnings: usize) -> String {
@@ -163,6 +158,7 @@ pub(super) fn document(experiment: &Experiment, places: &Places) -> Value {
         "fit": experiment.fit,
         "records": records(experiment).map(|(part, record)| record_json(experiment, part, record)).collect::<Value>(),
         "effects": effects.collect::<Value>(),
+        "nowhere": places.nowhere(),
         "nameless": places.nameless,
     })
 }

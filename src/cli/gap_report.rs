@@ -30,7 +30,7 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
         text += &format!("\n{}\n\n{}", heading(number + 1, round), trials(round).text());
         text.extend(round.left_out.iter().map(|own| format!("{}\n", own.sentence())));
     }
-    text.extend(outcome.nowhere_told().map(|own| format!("\n{own}\n")));
+    text.extend(outcome.places.nowhere_told().map(|own| format!("\n{own}\n")));
     text
 }
 

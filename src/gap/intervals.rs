@@ -41,8 +41,19 @@ impl Known {
 
     /// Its interval in words: from where to where, or "anything".
     pub fn interval_told(&self) -> String {
-        let [low, high] = self.interval.map(number);
-        if self.error.is_finite() { format!("{low} ... {high}") } else { "anything".to_owned() }
+        if !self.error.is_finite() {
+            return "anything".to_owned();
+        }
+        let [low, high] = self.interval;
+        let width = high - low;
+        match number(low) == number(high) && width > 0.0 {
+            // With as many digits as tell the ends apart.
+            true => {
+                let digits = (1.0 - width.log10().floor()).clamp(0.0, 15.0) as usize;
+                format!("{low:.digits$} ... {high:.digits$}")
+            }
+            false => format!("{} ... {}", number(low), number(high)),
+        }
     }
 }
 
@@ -264,6 +275,15 @@ impl Around<'_> {
 mod tests {
     use super::*;
     use crate::gap::steps::tests::{AMPLITUDE, RATE, decay};
+
+    #[test]
+    fn the_ends_of_an_interval_are_told_apart() {
+        let told = |low, high, error| Known { error, interval: [low, high] }.interval_told();
+        assert_eq!(told(1.5, 2.25, 0.1), "1.5 ... 2.25");
+        assert_eq!(told(14.9971, 15.0028, 0.001), "14.9971 ... 15.0028");
+        assert_eq!(told(0.0, 0.0, 0.0), "0 ... 0");
+        assert_eq!(told(0.0, 1.0, f64::INFINITY), "anything");
+    }
 
     /// What the sum of squares rises by at a rate, the amplitude fitted again, were the noise of 1 V.
     fn rise(rate: f64) -> f64 {

@@ -31,6 +31,8 @@ pub struct Limit {
     pub junction: String,
     /// What it reads beside it, where there is a choice.
     pub reads: Vec<String>,
+    /// Whether what parameters follow of it was found by a full fit, not to first order only.
+    pub in_full: bool,
     /// The parameter that says how strong it is.
     pub parameter: String,
     /// Its unit.
@@ -128,7 +130,7 @@ impl Limit {
     /// The same as a JSON document.
     pub fn document(&self) -> Value {
         let mut document = json!({
-            "name": self.effect, "junction": self.junction, "reads": self.reads,
+            "name": self.effect, "junction": self.junction, "reads": self.reads, "in_full": self.in_full,
             "parameter": self.parameter, "seen": self.is_seen(),
         });
         if let Some(value) = self.value {
@@ -231,12 +233,18 @@ impl<'a> Ground<'a> {
             effect: trial.candidate.effect.clone(),
             junction: trial.candidate.junction.clone(),
             reads: trial.candidate.reads.clone(),
+            in_full: self.in_full(),
             parameter: brought[0].of.clone(),
             unit: brought[0].unit.clone(),
             value: least.as_ref().map(|least| least.0),
             share: least.as_ref().map_or(f64::INFINITY, |least| least.1),
             beside: beside.map(|(own, value)| (own.of.clone(), *value, own.unit.clone())).collect(),
         })
+    }
+
+    /// Whether a change is fitted in full: not beside a patch that lacks what was found, where that takes long and tells little.
+    fn in_full(&self) -> bool {
+        !self.round.taken
     }
 
     /// The variance of the noise, with how long it remembers.
@@ -541,11 +549,10 @@ impl Tried<'_> {
         margins
     }
 
-    /// The margin of what a strength changes: to first order, and in full where it would show so, if nothing was found: then this is
-    /// what is told.
+    /// The margin of what a strength changes: to first order, and in full where it would show so.
     fn margin(&self, changes: &[Change; 2]) -> f64 {
         let margin = self.ground.margin(&self.ground.left(changes), self.need);
-        if margin < 1.0 || self.ground.round.taken {
+        if margin < 1.0 || !self.ground.in_full() {
             return margin;
         }
         let in_full = self.ground.left_in_full(changes);

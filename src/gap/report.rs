@@ -61,11 +61,7 @@ impl Outcome {
             warnings.map(|own| format!("Of the experiment ({}): {}.", own.code.as_str(), own.message));
         let coarse = (!self.fineness.is_enough()).then(|| self.fineness.sentence());
         let noises = self.noises(experiment).into_iter().chain(self.louder(experiment));
-        let nameless = self.places.nameless.iter().map(|own| {
-            format!(
-                "{own} gives no signal with a scale, so that nothing was tried there: name what it gives under \"signals\"."
-            )
-        });
+        let nameless = self.places.nameless_told();
         self.at_ends().into_iter().chain(noises).chain(nameless).chain(coarse).chain(warned).collect()
     }
 
@@ -76,11 +72,17 @@ impl Outcome {
             let unit = stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
             format!("{name} at the end of its range, {} {unit}", number(stage.train.point.knobs[place]))
         };
-        let before = self.base.at_end().map(|place| {
+        let is_missing = self.verdict != Verdict::NothingMissing;
+        // What is none stands in for nothing.
+        let doubted =
+            self.base.at_end().filter(|place| is_missing || self.base.train.point.knobs[*place] != 0.0);
+        let before = doubted.map(|place| {
             let at = told(&self.base, place);
-            match self.verdict {
-                Verdict::NothingMissing => format!("The patch is fitted best with {at}: it may stand in for something that is missing."),
-                _ => format!("The patch as it was is fitted best with {at}: what seems to be missing may be a value beyond it."),
+            match is_missing {
+                false => format!(
+                    "The patch is fitted best with {at}: that value may stand in for something that is missing."
+                ),
+                true => format!("The patch as it was is fitted best with {at}: what seems to be missing may be a value beyond it."),
             }
         });
         let beside = self.last.newly_at_end(&self.base).filter(|_| self.verdict.has_names()).map(|place| {
@@ -137,10 +139,10 @@ impl Outcome {
                     number(train)
                 )
             });
-            let is_louder = has_changed(train, test) || is_beyond_chance(stage, train, test);
+            let is_louder = has_changed(train, test) || is_beyond_chance(stage, place);
             let held = is_louder.then(|| {
                 format!(
-                    "Of {} {} times its noise is left of the data held back, and {} in training, which is more than chance brings: something has changed by then, or shows there alone.",
+                    "Of {} {} times its noise is left of the data held back, and {} in training: something has changed by then, or shows there alone.",
                     output.signal,
                     number(test),
                     number(train)
@@ -149,12 +151,6 @@ impl Outcome {
             loud.into_iter().chain(held)
         };
         experiment.outputs.iter().enumerate().flat_map(of).collect()
-    }
-
-    /// The effects that were not tried, as the patch has no place for them, in a sentence; nothing where it has for all.
-    pub fn nowhere_told(&self) -> Option<String> {
-        let nowhere = self.places.nowhere();
-        (!nowhere.is_empty()).then(|| format!("The patch has no place for {}.", nowhere.join(", ")))
     }
 
     /// What a fitted parameter belongs to: the effect that brought it and where that acts, or the patch.
@@ -424,15 +420,23 @@ fn left_out(number: usize, own: &LeftOut) -> Value {
 
 /// What is left of an output, rms over its noise.
 fn over_sigma(fitted: &Fitted, output: usize) -> f64 {
-    let tracks = fitted.residuals.iter().flat_map(|record| record[output].iter());
-    let squares: Vec<f64> = tracks.filter(|own| !own.is_nan()).map(|own| own * own).collect();
+    let squares = squares(fitted, output);
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
 }
 
-/// Whether what was held back leaves more than training by so much that it is no chance.
-fn is_beyond_chance(stage: &Stage, train: f64, test: f64) -> bool {
-    let [learnt, held] = [&stage.train, &stage.test].map(|fitted| 2.0 * stage.memory / fitted.count as f64);
-    let (was, is) = (train.max(1.0).powi(2), test.powi(2));
+/// What is left of an output in squares over the noise, sample by sample.
+fn squares(fitted: &Fitted, output: usize) -> Vec<f64> {
+    let tracks = fitted.residuals.iter().flat_map(|record| record[output].iter());
+    tracks.filter(|own| !own.is_nan()).map(|own| own * own).collect()
+}
+
+/// Whether what was held back leaves more of an output than training does by so much that it is no chance.
+fn is_beyond_chance(stage: &Stage, output: usize) -> bool {
+    let parts = [&stage.train, &stage.test].map(|fitted| squares(fitted, output));
+    let [was, is] = parts.each_ref().map(|own| own.iter().sum::<f64>() / own.len().max(1) as f64);
+    // The mean of the squares of m normal numbers is off by sqrt(2 / m) of itself.
+    let [learnt, held] = parts.map(|own| 2.0 * stage.memory / own.len().max(1) as f64);
+    let was = was.max(1.0);
     is - was > BY_CHANCE * (learnt * was * was + held * is * is).sqrt()
 }
 

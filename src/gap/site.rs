@@ -39,7 +39,7 @@ pub struct Junction {
     pub is_motion: bool,
     /// Signals of the time integral of what it gives.
     pub positions: Vec<Reading>,
-    /// Signals that change and drives, in the unit of the sum,
+    /// Drives, and signals that can change in a run, in the unit of the sum,
     pub loads: Vec<Reading>,
     /// and those of them that are no drives.
     pub forces: Vec<Reading>,

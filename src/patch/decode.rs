@@ -67,18 +67,24 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     Ok(())
 }
 
-/// Documents of other kinds: two keys of each, what to say of one, and what to do.
-const OTHER_KINDS: [([&str; 2], &str, &str); 2] = [
-    (
-        ["patch", "outputs"],
-        "this is an experiment, where a patch is needed",
-        "`patchcord gap` takes it; the patch is the file that it names",
-    ),
-    (
-        ["effect", "forms"],
-        "this is an effect, where a patch is needed",
-        "`patchcord gap EXPERIMENT.json --effects DIR` tries the effects of a folder; docs/effects.md tells more",
-    ),
+/// A document of another kind: keys that tell it, what to say of it, and what to do.
+struct OtherKind {
+    keys: [&'static str; 2],
+    message: &'static str,
+    hint: &'static str,
+}
+
+const OTHER_KINDS: [OtherKind; 2] = [
+    OtherKind {
+        keys: ["patch", "outputs"],
+        message: "this is an experiment, where a patch is needed",
+        hint: "`patchcord gap` takes it; the patch is the file that it names",
+    },
+    OtherKind {
+        keys: ["effect", "forms"],
+        message: "this is an effect, where a patch is needed",
+        hint: "`patchcord gap EXPERIMENT.json --effects DIR` tries the effects of a folder; docs/effect-format.md tells more",
+    },
 ];
 
 /// That a document of another kind was given.
@@ -87,9 +93,8 @@ fn another_kind(fields: &Fields<'_>) -> Option<Diagnostic> {
     if at("patchcord").is_some() {
         return None;
     }
-    let (keys, message, hint) =
-        OTHER_KINDS.into_iter().find(|kind| kind.0.iter().all(|key| at(key).is_some()))?;
-    Some(Diagnostic::at(Code::UnknownKey, at(keys[0])?.key_span, message).hint(hint))
+    let kind = OTHER_KINDS.iter().find(|kind| kind.keys.iter().all(|key| at(key).is_some()))?;
+    Some(Diagnostic::at(Code::UnknownKey, at(kind.keys[0])?.key_span, kind.message).hint(kind.hint))
 }
 
 fn empty(root: &Node) -> Diagnostic {

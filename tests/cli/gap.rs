@@ -27,7 +27,7 @@ fn the_check_of_data_is_a_table_a_record() {
         "{position}"
     );
     assert!(text.contains("would be tried at F: actuator-lag, backlash, "), "{text}");
-    assert!(text.contains("has no place in the patch: leak, load-dependent-friction, overflow\n"), "{text}");
+    assert!(text.contains("The patch has no place for leak, load-dependent-friction, overflow.\n"), "{text}");
 }
 
 #[test]

@@ -39,7 +39,7 @@ pub enum EffectError {
     },
     /// Files are no effects: what is wrong with each.
     #[error("{}", .0.iter().map(Report::to_string).collect::<String>())]
-    Text(Vec<Report>),
+    Wrong(Vec<Report>),
 }
 
 impl Library {
@@ -75,21 +75,16 @@ impl Library {
         for file in files {
             let text = std::fs::read_to_string(&file).map_err(|source| refused(&file, source))?;
             let name = file.display().to_string();
-            let effect = match own(&name, &text) {
-                Ok(effect) => effect,
-                Err(report) => {
-                    wrong.push(*report);
-                    continue;
-                }
-            };
-            if self.add(effect).is_some() {
-                self.notes.push(format!(
+            match own(&name, &text).map(|effect| self.add(effect)) {
+                Ok(None) => (),
+                Ok(Some(_)) => self.notes.push(format!(
                     "{name} takes the place of the effect of that name that comes with the program"
-                ));
+                )),
+                Err(report) => wrong.push(*report),
             }
         }
         if !wrong.is_empty() {
-            return Err(EffectError::Text(wrong));
+            return Err(EffectError::Wrong(wrong));
         }
         self.notes.extend(self.unknown_aliases());
         Ok(self)

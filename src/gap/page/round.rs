@@ -10,7 +10,7 @@ use crate::plot::PlotError;
 pub(super) fn section(told: &Told<'_>, place: usize, round: &Round) -> Result<String, PlotError> {
     let Some(best) = round.trials.first() else { return Ok(String::new()) };
     let count = round.trials.len();
-    let nowhere = told.outcome.nowhere_told().filter(|_| place == 1);
+    let nowhere = told.outcome.places.nowhere_told().filter(|_| place == 1);
     let nowhere = nowhere.map(|own| format!("<p>{}</p>\n", escaped(&own))).unwrap_or_default();
     Ok(format!(
         "<section>\n<h2>Round {place}: {count} effects and places tried</h2>\n<p class=\"reading\">{}</p>\n{}{}\
