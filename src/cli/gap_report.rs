@@ -27,7 +27,7 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
         text += &limits(&outcome.limits);
     }
     for (number, round) in outcome.rounds.iter().enumerate() {
-        text += &format!("\n{}\n\n{}", heading(number + 1, round), trials(round).text());
+        text += &format!("\n{}\n\n{}", heading(number + 1, round, outcome), trials(round).text());
         text.extend(round.left_out.iter().map(|own| format!("{}\n", own.sentence())));
     }
     text.extend(outcome.places.nowhere_told().map(|own| format!("\n{own}\n")));
@@ -89,8 +89,8 @@ fn limits(found: &[Limit]) -> String {
     format!("\nwhat these data would have shown, every effect where it shows best\n\n{}", table.text())
 }
 
-fn heading(place: usize, round: &Round) -> String {
-    format!("round {place}: {} effects and places tried. {}", round.trials.len(), round.sentence())
+fn heading(place: usize, round: &Round, outcome: &Outcome) -> String {
+    format!("round {place}: {} effects and places tried. {}", round.trials.len(), outcome.round_told(round))
 }
 
 /// The best trials, every effect once at every place.

@@ -153,6 +153,14 @@ impl Outcome {
         experiment.outputs.iter().enumerate().flat_map(of).collect()
     }
 
+    /// What a round came to, in words, and which effects that stood beside it were dropped later.
+    pub fn round_told(&self, round: &Round) -> String {
+        let is_kept = |own: &str| self.effects.iter().any(|effect| effect.named() == own);
+        let dropped = round.beside.iter().filter(|own| !is_kept(own));
+        let dropped: String = dropped.map(|own| format!(" Later {own} was dropped.")).collect();
+        round.sentence() + &dropped
+    }
+
     /// What a fitted parameter belongs to: the effect that brought it and where that acts, or the patch.
     pub fn owner(&self, parameter: &str) -> String {
         let brings = |own: &&Candidate| own.graft.parameters.iter().any(|brought| brought.name == parameter);
@@ -420,8 +428,11 @@ fn left_out(number: usize, own: &LeftOut) -> Value {
 
 /// What is left of an output, rms over its noise.
 fn over_sigma(fitted: &Fitted, output: usize) -> f64 {
-    let squares = squares(fitted, output);
-    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    mean(&squares(fitted, output)).sqrt()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// What is left of an output in squares over the noise, sample by sample.
@@ -433,7 +444,7 @@ fn squares(fitted: &Fitted, output: usize) -> Vec<f64> {
 /// Whether what was held back leaves more of an output than training does by so much that it is no chance.
 fn is_beyond_chance(stage: &Stage, output: usize) -> bool {
     let parts = [&stage.train, &stage.test].map(|fitted| squares(fitted, output));
-    let [was, is] = parts.each_ref().map(|own| own.iter().sum::<f64>() / own.len().max(1) as f64);
+    let [was, is] = parts.each_ref().map(|own| mean(own));
     // The mean of the squares of m normal numbers is off by sqrt(2 / m) of itself.
     let [learnt, held] = parts.map(|own| 2.0 * stage.memory / own.len().max(1) as f64);
     let was = was.max(1.0);

@@ -227,12 +227,6 @@ impl Problem {
         let is_ambiguous = verdict == Verdict::Ambiguous;
         let separating = if is_ambiguous { self.separating(&rounds)? } else { None };
         for round in &mut rounds {
-            let is_kept = |own: &str| effects.iter().any(|effect| effect.named() == own);
-            round
-                .beside
-                .iter_mut()
-                .filter(|own| !is_kept(own))
-                .for_each(|own| *own += ", which was dropped later,");
             if let Some(rival) = round.rival_place() {
                 round.trials[rival].stage = self.with_errors(round.trials[rival].stage.clone())?;
             }

@@ -15,7 +15,7 @@ pub(super) fn section(told: &Told<'_>, place: usize, round: &Round) -> Result<St
     Ok(format!(
         "<section>\n<h2>Round {place}: {count} effects and places tried</h2>\n<p class=\"reading\">{}</p>\n{}{}\
          <details open><summary>All of them; a score of {} is needed</summary>\n{}{}{nowhere}</details>\n</section>\n",
-        escaped(&round.sentence()),
+        escaped(&told.outcome.round_told(round)),
         effect(told, best),
         told.pictures(&[("before", &round.before), (&best.named(), &best.stage)])?,
         number(round.needed),
