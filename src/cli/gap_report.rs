@@ -38,10 +38,9 @@ fn parameters(outcome: &Outcome) -> Table {
     let stage = outcome.told();
     let mut table = Table::new(["fitted", "value", "standard error", "95 %", "unit", "of"]);
     for (place, name) in stage.version.fit.iter().enumerate() {
-        let unit = stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
         let value = number(stage.train.point.knobs[place]);
         let (error, interval) = (stage.error_told(place), stage.interval_told(place));
-        table.row([name.clone(), value, error, interval, unit.to_owned(), outcome.owner(name)]);
+        table.row([name.clone(), value, error, interval, stage.unit(place).to_owned(), outcome.owner(name)]);
     }
     table
 }

@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use super::blind::{Blind, has_changed};
+use super::beyond::Beyond;
+use super::blind::{Blind, has_changed, over_sigma};
 use super::candidate::Candidate;
 use super::correlation::Correlation;
 use super::experiment::{Experiment, Output};
@@ -19,6 +20,18 @@ use super::whereabouts::{Whereabouts, nearest};
 use crate::instruments::number;
 
 impl Stage {
+    /// The unit of what is fitted at a place.
+    pub fn unit(&self, place: usize) -> &str {
+        let parameter = self.version.patch.parameters.get(&self.version.fit[place]);
+        parameter.map_or("1", |own| own.unit.text())
+    }
+
+    /// What is fitted at a place, and its value, in words.
+    pub fn value_told(&self, place: usize) -> String {
+        let value = number(self.train.point.knobs[place]);
+        format!("{} = {value} {}", self.version.fit[place], self.unit(place))
+    }
+
     /// The standard error of what is fitted at a place, in words.
     pub fn error_told(&self, place: usize) -> String {
         let error = self.known(place).error;
@@ -48,8 +61,6 @@ impl Stage {
 const FAR_LESS: f64 = 0.5;
 /// nor by so much more, where it looks like noise.
 const FAR_MORE: f64 = 2.0;
-/// What is left of the data held back lies less than so many standard deviations above that of training by chance.
-const BY_CHANCE: f64 = 5.0;
 
 impl Outcome {
     /// What the reader should doubt, in sentences: ranges at whose end the patch stands, more noise than there can be, a solver that
@@ -68,14 +79,15 @@ impl Outcome {
     /// Which parameters of the patch stand at an end of their ranges: as it was, or beside what is named.
     fn at_ends(&self) -> Vec<String> {
         let told = |stage: &Stage, place: usize| {
-            let name = &stage.version.fit[place];
-            let unit = stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
-            format!("{name} at the end of its range, {} {unit}", number(stage.train.point.knobs[place]))
+            let (name, value) = (&stage.version.fit[place], number(stage.train.point.knobs[place]));
+            format!("{name} at the end of its range, {value} {}", stage.unit(place))
         };
-        let is_missing = self.verdict != Verdict::NothingMissing;
+        let is_missing = self.verdict.has_names() || self.verdict == Verdict::UnknownEffect;
+        let beyond = self.beyond.iter().flat_map(|own| &own.places).copied().collect::<Vec<_>>();
         // What is none stands in for nothing.
         let doubted =
             self.base.at_end().filter(|place| is_missing || self.base.train.point.knobs[*place] != 0.0);
+        let doubted = doubted.filter(|place| !beyond.contains(place));
         let before = doubted.map(|place| {
             let at = told(&self.base, place);
             match is_missing {
@@ -91,7 +103,17 @@ impl Outcome {
         });
         let named = self.effects.iter().filter(|_| self.verdict.has_names());
         let own = named.flat_map(|effect| self.own_at_ends(effect));
-        before.chain(beside).chain(own).collect()
+        let further = self.beyond.as_ref().filter(|own| !self.says(own)).map(Beyond::sentence);
+        before.chain(further).chain(beside).chain(own).collect()
+    }
+
+    /// Whether what lies beyond ranges stands in the verdict.
+    fn says(&self, beyond: &Beyond) -> bool {
+        match self.verdict {
+            Verdict::Ambiguous => beyond.is_rival,
+            Verdict::CannotJudge => beyond.leaves_noise(),
+            _ => false,
+        }
     }
 
     /// The same of what an effect brought; nature knows no less than 0 of a time or a friction.
@@ -139,8 +161,7 @@ impl Outcome {
                     number(train)
                 )
             });
-            let is_louder = has_changed(train, test) || is_beyond_chance(stage, place);
-            let held = is_louder.then(|| {
+            let held = has_changed(stage, place).then(|| {
                 format!(
                     "Of {} {} times its noise is left of the data held back, and {} in training: something has changed by then, or shows there alone.",
                     output.signal,
@@ -191,8 +212,10 @@ impl Outcome {
             Verdict::Named => format!("{effects} {are} missing{}", self.left_over()),
             Verdict::Ambiguous => {
                 let would = self.separating.as_ref().map(|own| format!("; {}", own.sentence()));
+                let beyond = self.beyond.as_ref().filter(|own| own.is_rival);
+                let beyond = beyond.map(|own| format!(", or {}", own.told())).unwrap_or_default();
                 format!(
-                    "{effects} {are} missing: these data cannot tell{}{}",
+                    "{effects} {are} missing{beyond}: these data cannot tell{}{}",
                     would.unwrap_or_default(),
                     self.left_over()
                 )
@@ -269,6 +292,7 @@ impl Outcome {
             "parameters": parameters(self.told()),
             "separate": self.separating.as_ref().map(Separating::document),
             "limits": self.limits.iter().map(Limit::document).collect::<Vec<_>>(),
+            "beyond": self.beyond.as_ref().map(Beyond::document),
             "where": self.whereabouts.iter().map(Whereabouts::document).collect::<Vec<_>>(),
         })
     }
@@ -383,8 +407,7 @@ fn measured(value: f64, known: Known, unit: &str) -> Value {
 
 fn parameters(stage: &Stage) -> Value {
     let fit = stage.version.fit.iter().enumerate().map(|(place, name)| {
-        let unit = stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
-        (name.clone(), measured(stage.train.point.knobs[place], stage.known(place), unit))
+        (name.clone(), measured(stage.train.point.knobs[place], stage.known(place), stage.unit(place)))
     });
     fit.collect::<Map<_, _>>().into()
 }
@@ -424,31 +447,6 @@ fn rival(number: usize, round: &Round, trial: &Trial) -> Value {
 
 fn left_out(number: usize, own: &LeftOut) -> Value {
     json!({"step": number, "name": own.effect, "junction": own.junction, "why": own.why})
-}
-
-/// What is left of an output, rms over its noise.
-fn over_sigma(fitted: &Fitted, output: usize) -> f64 {
-    mean(&squares(fitted, output)).sqrt()
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
-/// What is left of an output in squares over the noise, sample by sample.
-fn squares(fitted: &Fitted, output: usize) -> Vec<f64> {
-    let tracks = fitted.residuals.iter().flat_map(|record| record[output].iter());
-    tracks.filter(|own| !own.is_nan()).map(|own| own * own).collect()
-}
-
-/// Whether what was held back leaves more of an output than training does by so much that it is no chance.
-fn is_beyond_chance(stage: &Stage, output: usize) -> bool {
-    let parts = [&stage.train, &stage.test].map(|fitted| squares(fitted, output));
-    let [was, is] = parts.each_ref().map(|own| mean(own));
-    // The mean of the squares of m normal numbers is off by sqrt(2 / m) of itself.
-    let [learnt, held] = parts.map(|own| 2.0 * stage.memory / own.len().max(1) as f64);
-    let was = was.max(1.0);
-    is - was > BY_CHANCE * (learnt * was * was + held * is * is).sqrt()
 }
 
 fn gaps(problem: &Problem, stage: &Stage) -> Value {

@@ -3,6 +3,7 @@
 
 use std::cmp::Reverse;
 
+use super::beyond::Beyond;
 use super::blind::Blind;
 use super::candidate::Candidate;
 use super::correlation::Correlation;
@@ -80,6 +81,8 @@ pub struct Outcome {
     pub whereabouts: Vec<Whereabouts>,
     /// The weakest effects that the first round would have found.
     pub limits: Vec<Limit>,
+    /// Where the patch as it was comes to beyond its ranges, if it stands at their ends and leaves a gap.
+    pub beyond: Option<Beyond>,
     /// Why the data cannot judge, where they cannot.
     pub blind: Option<Blind>,
     /// The experiment that would tell two effects apart, where the data cannot.
@@ -224,6 +227,11 @@ impl Problem {
         if is_doubtful && !is_sure(&base, &last, &rounds) && is_a_curve(&whereabouts, left) {
             verdict = Verdict::UnknownEffect;
         }
+        let beyond = self.beyond(&base, &last)?;
+        let blind = beyond.as_ref().filter(|own| own.leaves_noise()).map(Blind::beyond).or(blind);
+        if let Some(own) = &beyond {
+            verdict = own.weighed(verdict);
+        }
         let is_ambiguous = verdict == Verdict::Ambiguous;
         let separating = if is_ambiguous { self.separating(&rounds)? } else { None };
         for round in &mut rounds {
@@ -244,6 +252,7 @@ impl Problem {
             left,
             whereabouts,
             limits,
+            beyond,
             blind: blind.filter(|_| verdict == Verdict::CannotJudge),
             separating,
         })
@@ -263,6 +272,7 @@ impl Problem {
             left: 1.0,
             whereabouts: Vec::new(),
             limits: Vec::new(),
+            beyond: None,
             blind: Some(why),
             separating: None,
             places: Places::default(),

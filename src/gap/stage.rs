@@ -59,6 +59,11 @@ impl Version {
         (self.fit.len() + self.free.len() + 1) * self.steps as usize
     }
 
+    /// The ranges of what is fitted.
+    pub(super) fn ranges(&self) -> impl Iterator<Item = Option<(f64, f64)>> + '_ {
+        self.fit.iter().map(|name| self.patch.parameters.get(name)?.range)
+    }
+
     /// The patch with what is fitted at these values, as one of a file.
     ///
     /// # Errors
@@ -114,9 +119,9 @@ impl Stage {
 
     /// The places of what is fitted best at an end of its range.
     pub(super) fn at_end(&self) -> impl Iterator<Item = usize> + '_ {
-        let fitted = self.version.fit.iter().zip(&self.train.point.knobs).enumerate();
-        fitted.filter_map(|(place, (name, value))| {
-            let (low, high) = self.version.patch.parameters.get(name)?.range?;
+        let fitted = self.version.ranges().zip(&self.train.point.knobs).enumerate();
+        fitted.filter_map(|(place, (range, value))| {
+            let (low, high) = range?;
             let is_at = |end: f64| (value - end).abs() <= AT_END * (high - low);
             (is_at(low) || is_at(high)).then_some(place)
         })

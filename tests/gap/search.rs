@@ -72,12 +72,32 @@ fn a_pump_at_its_limit_is_named_from_two_records() {
     assert!(!found.last.leaves_structure());
 }
 
+/// A mass of 10 kg, of a patch that looks for it up to 8 kg.
 #[test]
-fn what_may_be_a_value_beyond_a_range_is_doubted() {
+fn what_may_be_a_value_beyond_a_range_is_said() {
     let experiment = read(Path::new("tests/gap/slide.json"));
     let problem = Problem::of(&experiment).unwrap();
-    let doubts = outcome(&experiment, &problem, 2).doubts(&experiment);
-    assert!(doubts[0].contains("with M at the end of its range, 8 kg"), "{doubts:?}");
+    let found = outcome(&experiment, &problem, 2);
+    let said = found.sentence();
+    let mass = said.strip_prefix("mass-change at A1 is missing, or M = ").unwrap();
+    let mass = mass.strip_suffix(" kg, beyond its range: these data cannot tell").unwrap();
+    assert!((mass.parse::<f64>().unwrap() - 10.0).abs() < 0.1, "{said}");
+    assert!(found.doubts(&experiment).is_empty(), "{:?}", found.doubts(&experiment));
+    assert_eq!(found.document(&problem)["beyond"]["parameters"][0]["name"], "M");
+}
+
+/// The same, with a library that has no other mass.
+#[test]
+fn what_a_value_beyond_a_range_explains_is_not_called_unknown() {
+    let experiment = read(Path::new("tests/gap/slide.json"));
+    let problem = Problem::of(&experiment).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy("patches/effects/drift.json", folder.path().join("drift.json")).unwrap();
+    let library = Library::default().and_folder(folder.path()).unwrap();
+    let with = Means { library: &library, threads: 2, seed: 1 };
+    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    let said = found.sentence();
+    assert!(said.starts_with("these data cannot judge: the patch alone explains them with M = "), "{said}");
 }
 
 /// A bias that may be nearly as large as what is missing.
