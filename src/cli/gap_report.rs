@@ -89,7 +89,7 @@ fn limits(found: &[Limit]) -> String {
 }
 
 fn heading(place: usize, round: &Round, outcome: &Outcome) -> String {
-    format!("round {place}: {} effects and places tried. {}", round.trials.len(), outcome.round_told(round))
+    format!("round {place}: {}. {}", round.tried_told(), outcome.round_told(round))
 }
 
 /// The best trials, every effect once at every place.

@@ -8,8 +8,9 @@ use super::model::with_tables;
 use super::record::Record;
 use super::together::Bringing;
 use crate::patch::fields::Findings;
-use crate::patch::tree::{Content, Node};
-use crate::patch::{Code, Diagnostic, EditError, Patch, PatchError, Report, Span, Unit, text_of, tree};
+use crate::patch::{
+    Code, Diagnostic, DocumentKind, EditError, Patch, PatchError, Report, Span, Unit, text_of, tree,
+};
 
 /// Fewer samples than this are neither trained nor tested on.
 pub const LEAST_SAMPLES: usize = 10;
@@ -130,7 +131,7 @@ impl Experiment {
             Some(Err(patch)) => (None, patch),
             None => (None, None),
         };
-        findings.iter_mut().for_each(point_to_the_page);
+        findings.iter_mut().for_each(|finding| finding.point_to("docs/gap.md"));
         let report = Report::new(file, text, findings);
         match made.filter(|_| !report.has_errors()) {
             Some(made) => Ok(Experiment { file: file.to_owned(), warnings: report, ..made }),
@@ -148,13 +149,6 @@ impl Experiment {
     }
 }
 
-/// The codes of documents advise to read about patches.
-fn point_to_the_page(finding: &mut Diagnostic) {
-    if matches!(finding.code, Code::WrongType | Code::MissingKey) {
-        finding.hint.get_or_insert_with(|| "docs/gap.md shows what stands under each key".to_owned());
-    }
-}
-
 fn document_of(text: &str, findings: &mut Findings) -> Option<Document> {
     if text.trim().is_empty() {
         let hint = "an experiment begins with {\"patch\": \"base.json\", \"data\": \"train.csv\", ...";
@@ -162,18 +156,9 @@ fn document_of(text: &str, findings: &mut Findings) -> Option<Document> {
         return None;
     }
     let root = tree::parse(text).map_err(|finding| findings.push(finding)).ok()?;
-    if let Some(finding) = patch_instead(&root) {
+    if let Some(finding) = DocumentKind::Experiment.instead(&root) {
         findings.push(finding);
         return None;
     }
     document::document(&root, findings)
-}
-
-/// That a patch was given for the experiment that should name it.
-fn patch_instead(root: &Node) -> Option<Diagnostic> {
-    let Content::Object(entries) = &root.value else { return None };
-    let version = entries.iter().find(|entry| entry.key == "patchcord")?;
-    let message = "this is a patch, where an experiment is needed";
-    let hint = "an experiment is a file of its own that names the patch and what was measured: docs/gap.md shows one";
-    Some(Diagnostic::at(Code::UnknownKey, version.key_span, message).hint(hint))
 }

@@ -101,6 +101,7 @@ impl Reading<'_> {
         let mut rows = match csv_rows::read(self.path, &self.asked()) {
             Ok(rows) => rows,
             Err(faults) => {
+                self.check_times(findings);
                 findings.extend(faults.into_iter().map(|fault| self.told(Code::BadData, fault)));
                 return None;
             }
@@ -125,6 +126,13 @@ impl Reading<'_> {
             columns: rows.columns,
         };
         is_right.then_some((measured, seconds?))
+    }
+
+    /// Tells what is wrong with the times of a file whose other columns may be what cannot be read.
+    fn check_times(&self, findings: &mut Findings) {
+        let Ok(times) = csv_rows::read(self.path, &self.asked()[..self.clock_columns()]) else { return };
+        let Some(seconds) = self.seconds(&times, findings) else { return };
+        findings.extend(self.grid(&times, seconds).err());
     }
 
     /// The file, and the names that its columns have for others.

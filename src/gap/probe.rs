@@ -1,18 +1,24 @@
 //! A small patch that effects of one's own are wired into before they are taken, so that what is wrong with a fragment is told at
 //! its place in its own file and not at every junction of a patch.
 
+use std::fmt::Display;
+
 use super::candidate::Candidate;
 use super::effect::Effect;
 use super::graft::{Attached, Role};
 use super::model::ModelError;
 use super::site::Sites;
 use crate::circuit::Circuit;
-use crate::patch::tree::{self, Content};
+use crate::patch::tree::{self, Content, Node};
 use crate::patch::{Code, Diagnostic, EditError, Patch, Report, Severity, Span};
 use crate::program::Program;
 
 /// The patch: a mass with friction, and two tanks.
 static PROBE: &str = include_str!("probe.json");
+/// With which its names begin.
+const OWN: &str = "probe_";
+/// What formulas may name, where the hint tells it of the small patch.
+const KNOWN_HINT: &str = "formulas of a form know its parameters, its gains, \"sum\" and what it reads; they leave a pure number: docs/effect-format.md tells more";
 /// How far its signals go, in volts,
 const EXTENT: f64 = 40.0;
 /// what lies between two samples, in seconds,
@@ -31,12 +37,15 @@ pub(super) fn check(file: &str, text: &str, effect: &Effect) -> Result<(), Box<R
     let circuit = Circuit::new(&patch, &[])?;
     let drives: Vec<&str> = patch.drives.keys().map(String::as_str).collect();
     let sites = Sites::of(&circuit, &drives);
-    let (all, spans) = (Attached::all(effect, &sites), spans(text));
+    let all = Attached::all(effect, &sites);
+    let root = tree::parse(text).map_err(|finding| Report::new(file, text, vec![finding]))?;
+    let elements = elements(&root);
     let mut findings = Vec::new();
     for (number, form) in effect.forms.iter().enumerate() {
         let mut own = all.iter().filter(|attached| std::ptr::eq(attached.form, form));
         let wrong = own.find_map(|attached| wired(attached, &patch).err().filter(|own| !is_of_numbers(own)));
-        findings.extend(wrong.map(|error| finding(&error, spans.get(number).copied().unwrap_or_default())));
+        let own = elements.get(number).copied().unwrap_or(&root);
+        findings.extend(wrong.map(|error| finding(&error, own)));
     }
     if findings.is_empty() { Ok(()) } else { Err(Box::new(Report::new(file, text, findings))) }
 }
@@ -50,15 +59,27 @@ fn wired(attached: &Attached<'_>, patch: &Patch) -> Result<(), ModelError> {
     Ok(())
 }
 
-/// The first thing that is wrong with a form, where its elements stand.
-fn finding(error: &ModelError, span: Span) -> Diagnostic {
+/// The first thing that is wrong with a form, where it stands in its elements.
+fn finding(error: &ModelError, elements: &Node) -> Diagnostic {
+    let wrong = |what: &dyn Display| format!("this form cannot be wired: {what}");
     let (ModelError::Patch(report) | ModelError::Edit(EditError::Text(report))) = error else {
-        return Diagnostic::at(Code::BadPatch, span, format!("this form cannot be wired: {error}"));
+        return Diagnostic::at(Code::BadPatch, elements.span, wrong(error));
     };
     let first = report.findings.iter().find(|finding| finding.code.severity() == Severity::Error);
-    let Some(first) = first else { return Diagnostic::at(Code::BadPatch, span, "this form cannot be wired") };
-    Diagnostic::at(first.code, span, format!("this form cannot be wired: {}", first.message))
-        .maybe_hint(first.hint.clone())
+    let Some(first) = first else { return Diagnostic::at(Code::BadPatch, elements.span, wrong(report)) };
+    let span = first.span.map_or(elements.span, |span| place(report, span, elements));
+    // What names the small patch's own helps nobody.
+    let hint = first.hint.clone().map(|hint| if hint.contains(OWN) { KNOWN_HINT.to_owned() } else { hint });
+    Diagnostic::at(first.code, span, wrong(&first.message)).maybe_hint(hint)
+}
+
+/// Where in the elements of a form something stands that stands there in the patch with them.
+fn place(report: &Report, span: Span, elements: &Node) -> Span {
+    let Ok(wired) = tree::parse(&report.text) else { return elements.span };
+    let keys = wired.keys_to(span.start);
+    let ["macros", _, "elements", inner @ ..] = keys.as_slice() else { return elements.span };
+    let own = inner.iter().try_fold(elements, |node, key| node.child(key).ok_or(node));
+    own.unwrap_or_else(|nearest| nearest).span
 }
 
 /// Whether a fault lies in the numbers of the trial, which say nothing of other patches.
@@ -68,10 +89,8 @@ fn is_of_numbers(error: &ModelError) -> bool {
     errors.all(|finding| finding.code == Code::SettingOutside)
 }
 
-/// Where the elements of every form stand.
-fn spans(text: &str) -> Vec<Span> {
-    let root = tree::parse(text).ok();
-    let forms = root.as_ref().and_then(|root| root.child("forms"));
-    let Some(Content::List(forms)) = forms.map(|node| &node.value) else { return Vec::new() };
-    forms.iter().map(|form| form.child("elements").unwrap_or(form).span).collect()
+/// The elements of every form.
+fn elements(root: &Node) -> Vec<&Node> {
+    let Some(Content::List(forms)) = root.child("forms").map(|node| &node.value) else { return Vec::new() };
+    forms.iter().map(|form| form.child("elements").unwrap_or(form)).collect()
 }

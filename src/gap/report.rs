@@ -1,5 +1,7 @@
 //! What a search found, for readers and programs: a JSON document, and the patch with what was missing.
 
+use std::collections::HashSet;
+
 use serde_json::{Map, Value, json};
 
 use super::beyond::Beyond;
@@ -333,6 +335,13 @@ pub fn asked(experiment: &Experiment, problem: &Problem, seed: u64) -> Value {
 }
 
 impl Round {
+    /// How many effects were tried, and in how many ways: places, forms, and what they read there.
+    pub fn tried_told(&self) -> String {
+        let effects: HashSet<&str> =
+            self.trials.iter().map(|trial| trial.candidate.effect.as_str()).collect();
+        format!("{} effects tried in {} ways", effects.len(), self.trials.len())
+    }
+
     /// What it came to, in words.
     pub fn sentence(&self) -> String {
         let Some(best) = self.trials.first() else { return "nothing fits".to_owned() };

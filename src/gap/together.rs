@@ -74,6 +74,7 @@ impl<'a> Bringing<'a> {
             Some(named) => Subject::read(self.folder, named, self.findings),
             None => Err(None),
         };
+        self.check_twice();
         let found = subject.as_ref().ok();
         let drives: Vec<_> = document.drives.iter().map(|drive| self.feed(drive, found)).collect();
         let outputs: Vec<_> = document.outputs.iter().map(|output| self.output(output, found)).collect();
@@ -102,6 +103,19 @@ impl<'a> Bringing<'a> {
             motion::check(&made, document, self.findings);
         }
         Ok(made)
+    }
+
+    /// Tells of outputs that the data feed: they follow these whatever the patch does.
+    fn check_twice(&mut self) {
+        let Document { drives, outputs, .. } = self.document;
+        let is_fed =
+            |output: &&OutputWire| drives.iter().any(|own| own.wire.name.value == output.wire.name.value);
+        let found = outputs.iter().filter(is_fed).map(|output| {
+            let Placed { value: name, span } = &output.wire.name;
+            let message = format!("{name} is fed from the data: as an output it tells nothing of the patch");
+            Diagnostic::at(Code::DuplicateName, *span, message).hint("take it out of the outputs")
+        });
+        self.findings.extend(found);
     }
 
     /// What is trained on, and what is tested on; and how many seconds the unit of their times has.

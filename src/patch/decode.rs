@@ -11,6 +11,7 @@ use super::diagnostic::{Diagnostic, Span, any_error};
 use super::document::{FORMAT_VERSION, Parameter, Patch, PictureSpec, Placed, Scale, Signal};
 use super::fields::{Fields, Findings, list, number, positive, word, words, wrong_type};
 use super::formula::Formula;
+use super::kind::DocumentKind;
 use super::macros;
 use super::tree::{self, Content, Node};
 use super::units::{Unit, nearest};
@@ -22,12 +23,12 @@ use crate::elements::Family;
 /// When the document is not an object.
 pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic> {
     let mut findings = Findings::new();
+    if let Some(finding) = DocumentKind::Patch.instead(root) {
+        return Err(finding);
+    }
     let Some(mut fields) = Fields::of(root, "the patch", &mut findings) else {
         return Err(findings.remove(0));
     };
-    if let Some(finding) = another_kind(&fields) {
-        return Err(finding);
-    }
     version(&mut fields, &mut findings);
     patch.title = fields.text("title", &mut findings);
     patch.source = fields.text("source", &mut findings);
@@ -65,36 +66,6 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     }
     patch.findings = findings;
     Ok(())
-}
-
-/// A document of another kind: keys that tell it, what to say of it, and what to do.
-struct OtherKind {
-    keys: [&'static str; 2],
-    message: &'static str,
-    hint: &'static str,
-}
-
-const OTHER_KINDS: [OtherKind; 2] = [
-    OtherKind {
-        keys: ["patch", "outputs"],
-        message: "this is an experiment, where a patch is needed",
-        hint: "`patchcord gap` takes it; the patch is the file that it names",
-    },
-    OtherKind {
-        keys: ["effect", "forms"],
-        message: "this is an effect, where a patch is needed",
-        hint: "`patchcord gap EXPERIMENT.json --effects DIR` tries the effects of a folder; docs/effect-format.md tells more",
-    },
-];
-
-/// That a document of another kind was given.
-fn another_kind(fields: &Fields<'_>) -> Option<Diagnostic> {
-    let at = |key: &str| fields.entries.iter().find(|(entry, _)| entry.key == key).map(|(entry, _)| entry);
-    if at("patchcord").is_some() {
-        return None;
-    }
-    let kind = OTHER_KINDS.iter().find(|kind| kind.keys.iter().all(|key| at(key).is_some()))?;
-    Some(Diagnostic::at(Code::UnknownKey, at(kind.keys[0])?.key_span, kind.message).hint(kind.hint))
 }
 
 fn empty(root: &Node) -> Diagnostic {

@@ -81,6 +81,13 @@ impl Diagnostic {
         self.hint.as_deref().unwrap_or(self.code.advice())
     }
 
+    /// Points to the page of another kind of document, where the code's advice points to that of patches.
+    pub(crate) fn point_to(&mut self, page: &str) {
+        if matches!(self.code, Code::WrongType | Code::MissingKey) {
+            self.hint.get_or_insert_with(|| format!("{page} shows what stands under each key"));
+        }
+    }
+
     /// The same finding with advice where there is any.
     pub fn maybe_hint(mut self, hint: Option<String>) -> Self {
         self.hint = hint.or(self.hint);

@@ -64,6 +64,24 @@ impl Node {
         }
     }
 
+    /// The keys under which a byte of the text stands, the outermost first.
+    pub fn keys_to(&self, byte: usize) -> Vec<&str> {
+        let holds = |span: Span| (span.start..span.end).contains(&byte);
+        match &self.value {
+            Content::Object(entries) => {
+                let own = entries.iter().find(|entry| holds(entry.key_span) || holds(entry.value.span));
+                own.map_or_else(Vec::new, |own| {
+                    let further = own.value.keys_to(byte).into_iter();
+                    [own.key.as_str()].into_iter().chain(further).collect()
+                })
+            }
+            Content::List(items) => {
+                items.iter().find(|item| holds(item.span)).map_or_else(Vec::new, |item| item.keys_to(byte))
+            }
+            _ => Vec::new(),
+        }
+    }
+
     /// What an object holds under a key.
     pub fn child(&self, key: &str) -> Option<&Node> {
         let Content::Object(entries) = &self.value else { return None };

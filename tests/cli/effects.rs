@@ -83,6 +83,46 @@ fn what_is_wrong_with_an_effect_is_told_of_its_own_file() {
 }
 
 #[test]
+fn what_cannot_be_wired_is_told_at_its_place() {
+    let own = std::fs::read_to_string("patches/effects/viscous-friction.json").unwrap();
+    for (from, to, wanted) in [
+        ("\"kind\": \"pot\"", "\"kind\": \"pott\"", "own.json:22:24\n"),
+        (
+            "c * own / sum / G",
+            "c * own / summ / G",
+            "know its parameters, its gains, \"sum\" and what it reads",
+        ),
+        ("c * own / sum / G", "c * own / summ / G", "own.json:22:55\n"),
+        ("\"xG\"", "\"xH\"", "own.json:23:47\n"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("own.json"), own.replacen(from, to, 1)).unwrap();
+        let told = errors(&patchcord(&["effects", "own", "--effects", folder.path().to_str().unwrap()]));
+        assert!(told.contains(wanted) && !told.contains("probe_"), "{told}");
+    }
+}
+
+#[test]
+fn what_is_no_folder_of_effects_is_told() {
+    let told = |path: &str| {
+        let told = patchcord(&["effects", "--effects", path]);
+        assert_eq!(code(&told), 1);
+        errors(&told)
+    };
+    let file = told("patches/effects/drift.json");
+    assert!(file.contains("patches/effects/drift.json is a file: name the folder that it is in"), "{file}");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy("tests/gap/base.json", folder.path().join("base.json")).unwrap();
+    std::fs::copy("tests/gap/slide.json", folder.path().join("slide.json")).unwrap();
+    let both = told(folder.path().to_str().unwrap());
+    for wanted in
+        ["this is a patch, where an effect is needed", "this is an experiment, where an effect is needed"]
+    {
+        assert!(both.contains(wanted), "{both}");
+    }
+}
+
+#[test]
 fn an_alias_that_is_no_effect_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let own = std::fs::read_to_string("patches/effects/drift.json").unwrap();

@@ -174,7 +174,8 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     assert!(page.contains("<p class=\"verdict\">saturation at u is missing</p>"));
     assert!(page.contains("<p>The solver takes "), "how finely it stepped");
     assert!(page.contains("<p>The patch has no place for "), "what was not tried at all");
-    assert!(page.contains(&format!("Round 1: {rivals} effects and places tried")));
+    let tried = format!(" effects tried in {rivals} ways</h2>");
+    assert!(page.contains("<h2>Round 1: ") && page.contains(&tried), "{tried}");
     let best = &report["where"][0];
     let curves = best["curves"].as_array().unwrap();
     let is_over_time = best["best_against"] == "time";

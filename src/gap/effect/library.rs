@@ -31,6 +31,14 @@ pub enum EffectError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A file was named, where folders are taken.
+    #[error(
+        "{file} is a file: name the folder that it is in, and what other effects are in there will be taken, too"
+    )]
+    NoFolder {
+        /// The file.
+        file: String,
+    },
     /// There is none in a folder.
     #[error("there is no effect in {folder}: effects are files whose names end in .json")]
     None {
@@ -63,6 +71,9 @@ impl Library {
     /// When the folder or a file in it cannot be read, or files in it are no effects: all of them at once.
     pub fn and_folder(mut self, folder: &Path) -> Result<Library, EffectError> {
         let refused = |path: &Path, source| EffectError::File { file: path.display().to_string(), source };
+        if folder.is_file() {
+            return Err(EffectError::NoFolder { file: folder.display().to_string() });
+        }
         let entries = std::fs::read_dir(folder).map_err(|source| refused(folder, source))?;
         let files: Result<Vec<_>, _> = entries.map(|entry| entry.map(|entry| entry.path())).collect();
         let mut files = files.map_err(|source| refused(folder, source))?;

@@ -9,7 +9,9 @@ use super::{Attachment, Effect, EffectParameter, Form, Gives, Reads, Start};
 use crate::gap::reach::{NAMES, of_tens};
 use crate::patch::fields::{Fields, Findings, list, number, word, words, wrong_type};
 use crate::patch::tree::{self, Content, Node};
-use crate::patch::{Code, Diagnostic, Formula, Placed, Report, Span, formula_at, suggestion, unit_of};
+use crate::patch::{
+    Code, Diagnostic, DocumentKind, Formula, Placed, Report, Span, formula_at, suggestion, unit_of,
+};
 
 /// The version of the format that this program reads.
 const FORMAT: f64 = 1.0;
@@ -22,9 +24,13 @@ impl Effect {
     pub fn parse(file: &str, text: &str) -> Result<Effect, Box<Report>> {
         let fail = |findings| Box::new(Report::new(file, text, findings));
         let root = tree::parse(text).map_err(|finding| fail(vec![finding]))?;
+        if let Some(finding) = DocumentKind::Effect.instead(&root) {
+            return Err(fail(vec![finding]));
+        }
         let mut findings = Findings::new();
         let name = Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned());
         let effect = effect(&root, name.unwrap_or_default(), &mut findings);
+        findings.iter_mut().for_each(|finding| finding.point_to("docs/effect-format.md"));
         effect.filter(|_| findings.is_empty()).ok_or_else(|| fail(findings))
     }
 }

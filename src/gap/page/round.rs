@@ -9,12 +9,12 @@ use crate::plot::PlotError;
 /// The section of the round at a place, counted from 1.
 pub(super) fn section(told: &Told<'_>, place: usize, round: &Round) -> Result<String, PlotError> {
     let Some(best) = round.trials.first() else { return Ok(String::new()) };
-    let count = round.trials.len();
     let nowhere = told.outcome.places.nowhere_told().filter(|_| place == 1);
     let nowhere = nowhere.map(|own| format!("<p>{}</p>\n", escaped(&own))).unwrap_or_default();
     Ok(format!(
-        "<section>\n<h2>Round {place}: {count} effects and places tried</h2>\n<p class=\"reading\">{}</p>\n{}{}\
+        "<section>\n<h2>Round {place}: {}</h2>\n<p class=\"reading\">{}</p>\n{}{}\
          <details open><summary>All of them; a score of {} is needed</summary>\n{}{}{nowhere}</details>\n</section>\n",
+        round.tried_told(),
         escaped(&told.outcome.round_told(round)),
         effect(told, best),
         told.pictures(&[("before", &round.before), (&best.named(), &best.stage)])?,
