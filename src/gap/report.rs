@@ -451,6 +451,7 @@ fn rival(number: usize, round: &Round, trial: &Trial) -> Value {
         "gap": trial.stage.train.over_noise(),
         "held_out_gap": trial.stage.test.over_noise(),
         "behind": {"by": trial.behind.sum, "error": trial.behind.error},
+        "tied": round.is_tied(trial),
     })
 }
 

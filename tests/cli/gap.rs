@@ -41,6 +41,13 @@ fn effects_of_ones_own_are_checked_with_the_data() {
     let told = patchcord(&asked);
     assert_eq!((code(&told), out(&told).as_str()), (1, ""));
     assert!(errors(&told).contains("weak-motor.json:"), "{}", errors(&told));
+    std::fs::write(folder.path().join("weaker.json"), "{").unwrap();
+    let both = json(&patchcord(&[&asked[..], &["--json"]].concat()));
+    let files = both["diagnostics"].as_array().unwrap().iter().map(|own| own["file"].as_str().unwrap());
+    let files: std::collections::BTreeSet<&str> =
+        files.map(|file| file.rsplit('/').next().unwrap()).collect();
+    let wanted = ["weak-motor.json", "weaker.json"].into();
+    assert_eq!((both["ok"].as_bool(), files), (Some(false), wanted));
 }
 
 #[test]
@@ -71,6 +78,9 @@ fn the_document_has_what_the_table_has() {
     assert!(near(&position["noise"]["sigma"], 2e-4) < 0.12, "{position}");
     assert!(near(&position["step"], 1e-5) < 1e-6, "{position}");
     assert_eq!(position["power_below"].as_array().unwrap().len(), 3);
+    assert_eq!(told["effects"][0], serde_json::json!({"name": "actuator-lag", "junctions": ["F"]}));
+    assert_eq!(told["nameless"], serde_json::json!([]));
+    assert_eq!(told["nowhere"], serde_json::json!(["leak", "load-dependent-friction", "overflow"]));
 }
 
 #[test]

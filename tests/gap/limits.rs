@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use patchcord::gap::Experiment;
 use patchcord::gap::blind::Blind;
 use patchcord::gap::limits::{Limit, best_places};
 use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::stage::Problem;
+use patchcord::gap::{Experiment, Record};
 use patchcord::patch::Patch;
 use serde_json::{Value, json};
 
@@ -115,19 +115,25 @@ fn noise_that_is_told_too_small_or_too_large_is_doubted() {
 
 #[test]
 fn what_holds_in_training_only_cannot_be_judged_or_is_doubted() {
-    let shaken = |sigmas: f64| {
+    let shaken = |sigmas: f64, off: f64| {
         let (experiment, mut problem) = nothing();
-        let by = sigmas * problem.sigma[0];
-        let wild = |(place, x): (usize, &mut f64)| *x += if place % 2 == 0 { by } else { -by };
-        problem.test.iter_mut().flat_map(|record| record.outputs[0].iter_mut().enumerate()).for_each(wild);
+        let [by, off] = [sigmas, off].map(|own| own * problem.sigma[0]);
+        let each = |records: &mut Vec<Record>, by: f64| {
+            let wild = |(place, x): (usize, &mut f64)| *x += off + if place % 2 == 0 { by } else { -by };
+            records.iter_mut().flat_map(|record| record.outputs[0].iter_mut().enumerate()).for_each(wild);
+        };
+        each(&mut problem.train, 0.0);
+        each(&mut problem.test, by);
         let found = searched_for(&["constant-bias"], &experiment, &problem);
         (found.verdict, found.sentence(), found.doubts(&experiment))
     };
-    let (verdict, sentence, _) = shaken(3.0);
-    assert_eq!(verdict, Verdict::CannotJudge);
-    assert!(sentence.ends_with("something has changed by then"), "{sentence}");
-    let (verdict, _, doubts) = shaken(0.7);
-    assert_eq!(verdict, Verdict::NothingMissing);
+    for sigmas in [0.7, 3.0] {
+        let (verdict, sentence, doubts) = shaken(sigmas, 0.0);
+        assert_eq!((verdict, doubts), (Verdict::CannotJudge, Vec::new()));
+        assert!(sentence.ends_with("something has changed by then, or shows there alone"), "{sentence}");
+    }
+    let (verdict, sentence, doubts) = shaken(0.7, 5.0);
+    assert_eq!((verdict, sentence.as_str()), (Verdict::Named, "constant-bias at IV is missing"));
     assert!(doubts.len() == 1 && doubts[0].contains("or shows there alone"), "{doubts:?}");
 }
 

@@ -11,6 +11,8 @@ use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::stage::Problem;
 use serde_json::Value;
 
+use super::library;
+
 fn read(path: &Path) -> Experiment {
     Experiment::read(path).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -91,9 +93,7 @@ fn what_may_be_a_value_beyond_a_range_is_said() {
 fn what_a_value_beyond_a_range_explains_is_not_called_unknown() {
     let experiment = read(Path::new("tests/gap/slide.json"));
     let problem = Problem::of(&experiment).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::copy("patches/effects/drift.json", folder.path().join("drift.json")).unwrap();
-    let library = Library::default().and_folder(folder.path()).unwrap();
+    let library = library::of(&["drift"]);
     let with = Means { library: &library, threads: 2, seed: 1 };
     let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
     let said = found.sentence();

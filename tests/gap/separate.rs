@@ -3,6 +3,7 @@
 use patchcord::circuit::Circuit;
 use patchcord::gap::Experiment;
 use patchcord::gap::search::{Means, Outcome, Verdict};
+use patchcord::gap::stage::Problem;
 use patchcord::patch::{Edit, Patch};
 use patchcord::program::Program;
 use patchcord::solve::{RunSettings, run};
@@ -36,12 +37,12 @@ fn late(forces: &[f64]) -> Vec<f64> {
 }
 
 /// What the search makes of a drive that comes late.
-fn searched(forces: &[f64]) -> (Experiment, Outcome) {
+fn searched(forces: &[f64]) -> (Experiment, Problem, Outcome) {
     let (experiment, problem) = measured(forces, &late(forces));
     let library = library::of(&["actuator-lag", "time-delay", "constant-bias"]);
     let with = Means { library: &library, threads: 2, seed: 1 };
     let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
-    (experiment, found)
+    (experiment, problem, found)
 }
 
 #[test]
@@ -50,7 +51,7 @@ fn what_slow_drives_cannot_tell_the_experiment_does() {
         .map(|sample| INTERVAL * f64::from(sample))
         .map(|time| 20.0 * (2.0 * time).sin() + 10.0 * (3.3 * time).sin())
         .collect();
-    let (experiment, found) = searched(&slow);
+    let (experiment, problem, found) = searched(&slow);
     assert_eq!(found.verdict, Verdict::Ambiguous, "{}", found.sentence());
     let separating = found.separating.as_ref().unwrap();
     assert!(separating.tells(), "{}", separating.document());
@@ -58,6 +59,11 @@ fn what_slow_drives_cannot_tell_the_experiment_does() {
     both.sort();
     assert_eq!(both, ["actuator-lag at F", "time-delay at F"]);
     assert!(found.sentence().contains("these data cannot tell; "), "{}", found.sentence());
+    let document = found.document(&problem);
+    let rivals = document["rivals"].as_array().unwrap().iter();
+    let tied = rivals.filter(|rival| rival["tied"] == true && rival["step"] == 1).map(|rival| &rival["name"]);
+    let named = document["effects"].as_array().unwrap().iter().skip(1).map(|effect| &effect["name"]);
+    assert_eq!(tied.collect::<Vec<_>>(), named.collect::<Vec<_>>(), "the other of the two");
     // A line of what it is, the units, a line of names, and one for every sample: time, drive, what either predicts.
     let csv = separating.csv(&experiment.outputs);
     let units: Vec<&str> =
@@ -69,7 +75,7 @@ fn what_slow_drives_cannot_tell_the_experiment_does() {
     // The drive made twice: once to train, once to test.
     let once = rows.iter().map(|row| row[1]);
     let forces: Vec<f64> = once.clone().chain(once).collect();
-    let (_, told) = searched(&forces);
+    let (_, _, told) = searched(&forces);
     assert_eq!(told.verdict, Verdict::Named, "{}", told.sentence());
     assert_eq!(told.rounds[0].trials[0].candidate.effect, "time-delay");
     assert!(told.separating.is_none());

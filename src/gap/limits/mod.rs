@@ -1,0 +1,142 @@
+//! The weakest effects that data would have shown.
+//!
+//! An effect of some strength is run beside the patch as it was fitted. What it changes in the outputs, less all that parameters,
+//! initial voltages and offsets follow when they are fitted again (to first order), is what the search has to find it by: as
+//! much as its score asks for in training, and as its confirmation asks for in the data that are held back. What would show so is
+//! fitted in full: parameters may follow further than to first order.
+
+mod cleared;
+mod ground;
+mod half;
+mod tried;
+
+use serde_json::{Map, Value, json};
+
+use self::ground::Ground;
+use super::model::ModelError;
+use super::round::{Round, Trial};
+use super::stage::Problem;
+use crate::instruments::number;
+use crate::patch::behind;
+use crate::pool;
+
+/// The weakest effect of a kind, at a place, that data would have shown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limit {
+    /// Name of the effect.
+    pub effect: String,
+    /// The element that it acts on.
+    pub junction: String,
+    /// What it reads beside it, where there is a choice.
+    pub reads: Vec<String>,
+    /// Whether what parameters follow of it was found by a full fit, not to first order only.
+    pub in_full: bool,
+    /// The parameter that says how strong it is.
+    pub parameter: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its value from which on the effect would have been seen; nothing where none in its range would.
+    pub value: Option<f64>,
+    /// The same as a share of the way from no effect to the end of the range: what limits are compared by.
+    pub share: f64,
+    /// What other parameters were taken to be there: name, value, unit.
+    pub beside: Vec<(String, f64, String)>,
+}
+
+impl Problem {
+    /// The weakest effects that would have been seen of all that a round tried, those that show best first, worked out on so
+    /// many threads.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records.
+    pub fn limits(&self, round: &Round, threads: usize) -> Result<Vec<Limit>, ModelError> {
+        let mut grounds: Vec<(u32, Ground<'_>)> = Vec::new();
+        for trial in &round.trials {
+            let steps = trial.stage.version.steps;
+            if grounds.iter().all(|own| own.0 != steps) {
+                grounds.extend(Ground::of(self, round, steps)?.map(|ground| (steps, ground)));
+            }
+        }
+        let of = |trial: &Trial| {
+            let ground = grounds.iter().find(|own| own.0 == trial.stage.version.steps);
+            ground.map(|(_, ground)| ground.limit(trial)).transpose()
+        };
+        let found = pool::each(&round.trials, threads, of, |_| ());
+        let found: Vec<Option<Limit>> = found.into_iter().collect::<Result<_, _>>()?;
+        let mut limits: Vec<Limit> = Vec::new();
+        for limit in found.into_iter().flatten() {
+            match limits.iter_mut().find(|own| own.is_of(&limit)) {
+                Some(own) if limit.share < own.share => *own = limit,
+                Some(_) => (),
+                None => limits.push(limit),
+            }
+        }
+        limits.sort_by(|a, b| {
+            a.share.total_cmp(&b.share).then_with(|| (&a.effect, &a.junction).cmp(&(&b.effect, &b.junction)))
+        });
+        Ok(limits)
+    }
+}
+
+impl Limit {
+    /// Whether both are of the same effect, place and parameter.
+    fn is_of(&self, other: &Limit) -> bool {
+        let is_there = self.junction == other.junction && self.reads == other.reads;
+        is_there && self.effect == other.effect && self.parameter == other.parameter
+    }
+
+    /// The same in words; nothing where the data could not show the effect at all.
+    pub fn sentence(&self) -> Option<String> {
+        let (effect, junction) = (&self.effect, &self.junction);
+        let told = self.told()?;
+        Some(format!(
+            "the weakest {effect} at {junction} that would have shown has {} = {told}",
+            self.parameter
+        ))
+    }
+
+    /// Its value with its unit.
+    pub fn told(&self) -> Option<String> {
+        self.value.map(|value| format!("{}{}", number(value), behind(&self.unit)))
+    }
+
+    /// The other parameters with which that is so.
+    pub fn beside(&self) -> String {
+        let each = self.beside.iter();
+        let each = each.map(|(name, value, unit)| format!("{name} = {}{}", number(*value), behind(unit)));
+        each.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Whether the data could show the effect at all.
+    pub fn is_seen(&self) -> bool {
+        self.value.is_some()
+    }
+
+    /// The same as a JSON document.
+    pub fn document(&self) -> Value {
+        let mut document = json!({
+            "name": self.effect, "junction": self.junction, "reads": self.reads, "in_full": self.in_full,
+            "parameter": self.parameter, "seen": self.is_seen(),
+        });
+        if let Some(value) = self.value {
+            document["value"] = json!(value);
+            document["unit"] = json!(self.unit);
+            let beside = self.beside.iter();
+            let beside =
+                beside.map(|(name, value, unit)| (name.clone(), json!({"value": value, "unit": unit})));
+            document["with"] = beside.collect::<Map<_, _>>().into();
+        }
+        document
+    }
+}
+
+/// The best place of every effect, those that show best first.
+pub fn best_places(limits: &[Limit]) -> Vec<&Limit> {
+    let mut best: Vec<&Limit> = Vec::new();
+    for limit in limits {
+        if best.iter().all(|own| own.effect != limit.effect) {
+            best.push(limit);
+        }
+    }
+    best
+}
