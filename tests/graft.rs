@@ -11,6 +11,7 @@ use patchcord::gap::site::{Reading, Sites};
 use patchcord::patch::Patch;
 use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
+use patchcord::trace::Trace;
 
 /// A mass of 2 kg pushed by a force of 10 N times a sine of 1 Hz; its integrator gives velocity with one sign or the other.
 fn mass(is_upright: bool) -> Patch {
@@ -79,10 +80,14 @@ fn velocity(patch: &Patch, set: &[(String, f64)]) -> Vec<f64> {
 }
 
 fn track(patch: &Patch, set: &[(String, f64)], signal: &str) -> Vec<f64> {
+    ran(patch, set).values(signal).unwrap()
+}
+
+fn ran(patch: &Patch, set: &[(String, f64)]) -> Trace {
     let circuit = Circuit::new(patch, set).unwrap_or_else(|report| panic!("{}\n{report}", patch.text()));
     let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
     let settings = RunSettings::of(&circuit).unwrap();
-    solve::run(&program, &settings).unwrap().values(signal).unwrap()
+    solve::run(&program, &settings).unwrap()
 }
 
 #[test]
@@ -169,12 +174,16 @@ fn with_form(effect: &str, note: &str, set: &[(&str, f64)]) -> Vec<f64> {
 
 /// A signal of a patch with an effect at the first place that it fits.
 fn track_with(patch: &Patch, signal: &str, effect: &str, note: &str, set: &[(&str, f64)]) -> Vec<f64> {
+    ran_with(patch, effect, note, set).values(signal).unwrap()
+}
+
+fn ran_with(patch: &Patch, effect: &str, note: &str, set: &[(&str, f64)]) -> Trace {
     let (library, sites) = (library(), sites(patch));
     let all = Attached::all(library.get(effect).unwrap(), &sites);
     let attached = all.iter().find(|attached| attached.form.note.contains(note)).unwrap();
     let candidate = candidate(attached, patch);
     let set: Vec<_> = set.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    track(&candidate.graft.patch, &set, signal)
+    ran(&candidate.graft.patch, &set)
 }
 
 #[test]
@@ -204,6 +213,18 @@ fn effects_follow_their_laws() {
     }
     let stuck = with("coulomb-friction", &[("Fc", 1.9)]);
     assert!(stuck.iter().zip(&free).any(|(stuck, free)| (stuck - free).abs() > 0.1));
+}
+
+/// The summer for losses saturates in it by design.
+#[test]
+fn a_stop_that_is_pressed_lights_no_lamp() {
+    let patch = mass(false);
+    let most = |track: &[f64]| track.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let xs = 0.5 * most(&track(&patch, &[], "x"));
+    let stopped = ran_with(&patch, "hard-stop", "upper", &[("xs", xs), ("k", 2000.0), ("tau", 0.005)]);
+    let pressed = most(&stopped.values("x").unwrap()) / xs;
+    assert!((1.01..1.5).contains(&pressed), "{pressed}");
+    assert_eq!(stopped.overloads().map(|own| &own.element).collect::<Vec<_>>(), Vec::<&String>::new());
 }
 
 /// The force of the drive.
