@@ -92,6 +92,11 @@ fn is_beyond_chance(stage: &Stage, output: usize) -> bool {
 }
 
 impl Problem {
+    /// The same of any output.
+    pub(super) fn has_changed(&self, stage: &Stage) -> bool {
+        (0..self.outputs.len()).any(|output| has_changed(stage, output))
+    }
+
     /// Why the data cannot judge a patch that leaves nothing but noise; nothing where they can.
     pub(super) fn is_blind(&self, base: &Stage, rounds: &[Round], limits: &[Limit]) -> Option<Blind> {
         if base.train.count <= base.train.free {
@@ -101,7 +106,7 @@ impl Problem {
         if self.motion(base) < needed * base.memory {
             return Some(Blind::Still);
         }
-        if (0..self.outputs.len()).any(|output| has_changed(base, output)) {
+        if self.has_changed(base) {
             return Some(Blind::Changed(base.test.over_noise()));
         }
         if rounds.iter().all(|round| round.trials.is_empty()) {

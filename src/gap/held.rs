@@ -9,7 +9,8 @@ use super::stage::{Problem, Stage, Version};
 /// So often the derivatives are worked out in a first look at what was held back.
 pub(super) const FIRST_HELD: usize = 2;
 
-/// A patch that leaves so much more of what was held back than of what it was fitted to may have begun there in the wrong place.
+/// A patch that leaves so much more of what was held back than of what it was fitted to may have begun there in the wrong place, as
+/// may one that leaves noise there, and more than that of what was held back.
 const LOST: f64 = 1.5;
 /// Voltages from which each state may begin.
 const VOLTS: [f64; 10] = [-80.0, -30.0, -10.0, -3.0, -1.0, 1.0, 3.0, 10.0, 30.0, 80.0];
@@ -42,7 +43,7 @@ impl Problem {
     /// When the patch cannot be run beside the records.
     pub(super) fn found_again(&self, stage: &Stage) -> Result<Option<Stage>, ModelError> {
         // Pieces begin as was measured, and do not last.
-        if self.is_cut || stage.test.over_noise() < LOST * stage.train.over_noise().max(1.0) {
+        if self.is_cut || !self.is_lost(stage) {
             return Ok(None);
         }
         let begins = self.test.iter().zip(&stage.test.point.initial);
@@ -51,6 +52,13 @@ impl Problem {
         let again = self.held(&stage.version, &stage.train.point, Some(&initial), Effort::FULL)?;
         let better = again.filter(|again| again.chi2 < stage.test.chi2);
         Ok(better.map(|test| Stage { test, ..stage.clone() }))
+    }
+
+    /// Whether a stage may have begun in the wrong place in the records that are held back.
+    fn is_lost(&self, stage: &Stage) -> bool {
+        let is_explained = !stage.leaves_structure();
+        let leaves_more = stage.test.over_noise() >= LOST * stage.train.over_noise().max(1.0);
+        leaves_more || is_explained && self.has_changed(stage)
     }
 
     /// The voltages with which a record begins, by its beginning first; those known before where no others are better.
