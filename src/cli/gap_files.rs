@@ -38,16 +38,27 @@ impl<'f> Folder<'f> {
         Ok(Folder { folder })
     }
 
+    /// The names of the files that an earlier search left, by its report.
+    fn earlier(&self) -> Vec<String> {
+        let report = fs::read_to_string(self.folder.join(REPORT)).unwrap_or_default();
+        let report: Value = serde_json::from_str(&report).unwrap_or_default();
+        let left = [&report["patch"], &report["recovered"], &report["separate"]["data"]];
+        let names = left.into_iter().filter_map(|path| Path::new(path.as_str()?).file_name());
+        names.map(|name| name.to_string_lossy().into_owned()).collect()
+    }
+
     /// Writes them, and puts into the document where they are. What an earlier search left that this one has nothing of
     /// goes: it would be taken for what this one found. Gives back what was done, a line each.
     pub fn write(&self, told: &Told<'_>, document: &mut Value) -> Result<String, Failure> {
         let (outcome, experiment) = (told.outcome, told.experiment);
+        let earlier = self.earlier();
         let mut done = String::new();
         let mut left = |file: &str, text: Option<&str>| {
             let path = self.folder.join(file);
             done += &match text {
                 Some(text) => wrote(&path, text.as_bytes())?,
-                None => removed(&path)?,
+                None if earlier.iter().any(|own| own == file) => removed(&path)?,
+                None => String::new(),
             };
             Ok::<_, Failure>(text.map(|_| Value::from(path.display().to_string())))
         };

@@ -213,12 +213,18 @@ impl Outcome {
         match self.verdict {
             Verdict::Named => format!("{effects} {are} missing{}", self.left_over()),
             Verdict::Ambiguous => {
-                let would = self.separating.as_ref().map(|own| format!("; {}", own.sentence()));
+                let would = match &self.separating {
+                    Some(own) => format!("; {}", own.sentence()),
+                    None if self.rounds.iter().any(|round| round.taken && round.rival().is_some()) => {
+                        "; no experiment was found that would: under each drive that was tried an amplifier overloads, or there is none that data feed".to_owned()
+                    }
+                    None => String::new(),
+                };
                 let beyond = self.beyond.as_ref().filter(|own| own.is_rival);
                 let beyond = beyond.map(|own| format!(", or {}", own.told())).unwrap_or_default();
                 format!(
                     "{effects} {are} missing{beyond}: these data cannot tell{}{}",
-                    would.unwrap_or_default(),
+                    would,
                     self.left_over()
                 )
             }

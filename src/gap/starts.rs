@@ -33,12 +33,14 @@ pub struct Agreement {
     pub left: f64,
     /// Whether that is the same.
     pub is_same: bool,
+    /// Whether it is less.
+    pub is_better: bool,
     /// Whether runs begin anew in each of them, as where the patch itself was fitted so first.
     pub in_pieces: bool,
 }
 
 impl Problem {
-    /// Fits the patch of a stage from other points than those of its own seed, until one comes to the same or there are no more.
+    /// Fits the patch of a stage from other points than those of its own seed, until one comes to the same, or to less, or there are no more.
     ///
     /// # Errors
     /// When the patch cannot be run beside the records.
@@ -49,14 +51,21 @@ impl Problem {
         let task = self.task(&model, records, true);
         let in_pieces = stage.in_pieces.as_ref().and_then(|point| task.told(point));
         let best = in_pieces.as_ref().unwrap_or(&stage.train).chi2;
-        let mut agreement =
-            Agreement { tried: 0, left: f64::INFINITY, is_same: false, in_pieces: in_pieces.is_some() };
+        let mut agreement = Agreement {
+            tried: 0,
+            left: f64::INFINITY,
+            is_same: false,
+            is_better: false,
+            in_pieces: in_pieces.is_some(),
+        };
         for point in scattered(&model, &first, seed.wrapping_add(1)) {
             agreement.tried += 1;
             let Some(fitted) = task.settled(&point).and_then(|point| task.fit(&point)) else { continue };
             agreement.left = agreement.left.min(fitted.over_noise());
-            agreement.is_same = (fitted.chi2 - best).abs() < SAME.max(SAME_SHARE * best);
-            if agreement.is_same {
+            let lower = best - fitted.chi2;
+            agreement.is_same = lower.abs() < SAME.max(SAME_SHARE * best);
+            agreement.is_better = lower > 0.0 && !agreement.is_same;
+            if agreement.is_same || agreement.is_better {
                 break;
             }
         }
@@ -71,6 +80,9 @@ impl Agreement {
         match (self.is_same, self.tried) {
             (true, 1) => "a fit from another point comes to the same".to_owned(),
             (true, tried) => format!("of {tried} fits from other points one comes to the same"),
+            _ if self.is_better => format!(
+                "a fit from another point leaves less, {left} times the noise: it found what the patch was not fitted to; begin there, with values of parameters nearer to the truth, or with narrower ranges"
+            ),
             (false, tried) if self.left.is_finite() => format!(
                 "of {tried} fits from other points none comes to the same (the best leaves {left} times the noise): there may be better ones than this; narrower ranges help to find them"
             ),
@@ -82,6 +94,7 @@ impl Agreement {
     pub fn document(&self) -> Value {
         json!({
             "same": self.is_same,
+            "better": self.is_better,
             "tried": self.tried,
             "left": self.left.is_finite().then_some(self.left),
             "in_pieces": self.in_pieces,

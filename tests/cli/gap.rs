@@ -132,6 +132,10 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     let stale = out_folder.join("recovered.json");
     std::fs::create_dir(&out_folder).unwrap();
     std::fs::write(&stale, "of an earlier search").unwrap();
+    std::fs::write(out_folder.join("report.json"), r#"{"recovered": "elsewhere/found/recovered.json"}"#)
+        .unwrap();
+    let own = out_folder.join("separate.csv");
+    std::fs::write(&own, "of nobody's search").unwrap();
     let effects = folder.path().join("effects");
     std::fs::create_dir(&effects).unwrap();
     let bias = std::fs::read_to_string("patches/effects/constant-bias.json").unwrap();
@@ -156,7 +160,7 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     assert_eq!((code(&told), errors(&told).as_str()), (0, ""));
     let text = out(&told);
     let removed = format!("removed {}, which an earlier search had left\n", stale.display());
-    assert!(text.contains(&removed), "{text}");
+    assert!(text.contains(&removed) && !stale.exists() && own.exists(), "{text}");
     let page = std::fs::read_to_string("docs/gap.md").unwrap();
     let first = text.lines().next().unwrap();
     assert!(page.contains(first) && first.ends_with("saturation at u is missing"), "{text}");

@@ -9,6 +9,7 @@ mod limits;
 #[path = "../common/mutated.rs"]
 mod mutated;
 mod oscillator;
+mod own;
 mod page;
 mod provenance;
 mod reading;

@@ -60,14 +60,12 @@ fn left_out(round: &Round) -> String {
 
 /// Why a trial is not the one.
 fn remark(round: &Round, rank: usize, trial: &Trial) -> String {
-    if rank == 0 {
-        return if round.taken { "taken".to_owned() } else { String::new() };
+    match rank {
+        0 if round.taken => "taken".to_owned(),
+        _ if trial.score <= round.needed => "explains too little".to_owned(),
+        0 if !round.closes_enough() => "leaves too much".to_owned(),
+        0 => "the data held back do not bear it out".to_owned(),
+        _ if round.is_tied(trial) => "the data cannot tell it from the first".to_owned(),
+        _ => format!("behind by {} ± {}", number(trial.behind.sum), number(trial.behind.error)),
     }
-    if round.is_tied(trial) {
-        return "the data cannot tell it from the first".to_owned();
-    }
-    if trial.score <= round.needed {
-        return "explains too little".to_owned();
-    }
-    format!("behind by {} ± {}", number(trial.behind.sum), number(trial.behind.error))
 }
