@@ -458,6 +458,7 @@ fn rival(number: usize, round: &Round, trial: &Trial) -> Value {
         "held_out_gap": trial.stage.test.over_noise(),
         "behind": {"by": trial.behind.sum, "error": trial.behind.error},
         "tied": round.is_tied(trial),
+        "gone_through": trial.stage.gone_through,
     })
 }
 

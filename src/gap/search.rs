@@ -434,7 +434,9 @@ impl Problem {
                 |done| tell(part, done, order.len()),
             );
             for (place, again) in order.iter().zip(again) {
+                let gone_through = again.is_some();
                 tried[*place] = better_of(tried[*place].take(), again);
+                tried[*place].iter_mut().for_each(|(_, stage)| stage.gone_through |= gone_through);
             }
             order.iter().flat_map(|place| &tried[*place]).all(|(_, stage)| stage.is_far())
         };

@@ -92,14 +92,21 @@ pub struct Stage {
     pub memory: f64,
     /// Where the fit to the pieces came to; nothing where the gap is so small that it was not needed.
     pub in_pieces: Option<Point>,
+    /// Whether it was gone through with, or looked at quickly only.
+    pub gone_through: bool,
     /// How well each value that is fitted is known; nothing before [`Problem::with_errors`].
     pub known: Vec<Known>,
 }
 
 impl Stage {
-    fn new(version: Version, train: Fitted, test: Fitted, in_pieces: Option<Point>) -> Stage {
+    fn new(
+        version: Version,
+        [train, test]: [Fitted; 2],
+        in_pieces: Option<Point>,
+        gone_through: bool,
+    ) -> Stage {
         let (colour, memory) = (colour(&train), memory(&train));
-        Stage { version, train, test, colour, memory, in_pieces, known: Vec::new() }
+        Stage { version, train, test, colour, memory, in_pieces, gone_through, known: Vec::new() }
     }
 
     /// What no noise explains, in sigmas rms.
@@ -299,7 +306,7 @@ impl Problem {
         });
         let Some(train) = best.and_then(|point| task.told(&point)) else { return Ok(None) };
         let test = self.held(&version, &train.point, from.held, from.effort)?;
-        Ok(test.map(|test| Stage::new(version, train, test, in_pieces)))
+        Ok(test.map(|test| Stage::new(version, [train, test], in_pieces, from.effort.is_thorough)))
     }
 
     /// Fits a patch to the pieces: where it comes to from the best of several points.

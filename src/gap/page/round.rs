@@ -62,6 +62,9 @@ fn left_out(round: &Round) -> String {
 fn remark(round: &Round, rank: usize, trial: &Trial) -> String {
     match rank {
         0 if round.taken => "taken".to_owned(),
+        _ if trial.score <= round.needed && !trial.stage.gone_through => {
+            "explains too little, by a quick look".to_owned()
+        }
         _ if trial.score <= round.needed => "explains too little".to_owned(),
         0 if !round.closes_enough() => "leaves too much".to_owned(),
         0 => "the data held back do not bear it out".to_owned(),
