@@ -1,8 +1,9 @@
 //! Data that cannot judge a patch: what leaves nothing but noise is then no proof that nothing is missing.
 
 use super::beyond::Beyond;
-use super::fit::Fitted;
+use super::fit::{Fitted, Point};
 use super::limits::Limit;
+use super::model::ModelError;
 use super::round::Round;
 use super::stage::{Problem, Stage};
 use super::turned::Turned;
@@ -15,6 +16,8 @@ pub enum Blind {
     Few,
     /// A constant explains them as well as the patch does.
     Still,
+    /// What is left looks like noise, but of this output it is so many times its noise.
+    Loud(String, f64),
     /// What explains the training data does not explain those held back: so many times the noise is left of them.
     Changed(f64),
     /// No effect could be tried.
@@ -37,6 +40,10 @@ impl Blind {
         match self {
             Blind::Few => "they are no more than the numbers that are fitted".to_owned(),
             Blind::Still => "nothing moves in them beyond the noise".to_owned(),
+            Blind::Loud(output, left) => format!(
+                "what is left of {output} is {} times its noise, although it looks like noise: there are wild samples in these data, more noise than that, or something too fast for them",
+                number(*left)
+            ),
             Blind::Changed(left) => format!(
                 "what holds in training does not hold in the data held back, of which {} times the noise is left: something has changed by then, or shows there alone",
                 number(*left)
@@ -57,18 +64,20 @@ impl Blind {
 /// By chance data held back leave less than so many times what training leaves, or than the noise.
 const CHANGED: f64 = 2.0;
 
+/// What looks like noise is no more than so many times as much.
+pub(super) const LOUD: f64 = 2.0;
 /// It lies less than so many standard deviations above that of training by chance.
 const BY_CHANCE: f64 = 5.0;
 
 /// Whether what explains an output in training does not explain it in what was held back.
 pub(super) fn has_changed(stage: &Stage, output: usize) -> bool {
-    let [train, test] = [&stage.train, &stage.test].map(|fitted| over_sigma(fitted, output));
-    test > CHANGED * train.max(1.0) || is_beyond_chance(stage, output)
+    let [was, is] = [&stage.train, &stage.test].map(|fitted| squares(&fitted.residuals, output));
+    is_more(&was, &is, stage.memory)
 }
 
 /// What is left of an output, rms over its noise.
 pub(super) fn over_sigma(fitted: &Fitted, output: usize) -> f64 {
-    mean(&squares(fitted, output)).sqrt()
+    mean(&squares(&fitted.residuals, output)).sqrt()
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -76,19 +85,18 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 /// What is left of an output in squares over the noise, sample by sample.
-fn squares(fitted: &Fitted, output: usize) -> Vec<f64> {
-    let tracks = fitted.residuals.iter().flat_map(|record| record[output].iter());
+fn squares(residuals: &[Vec<Vec<f64>>], output: usize) -> Vec<f64> {
+    let tracks = residuals.iter().flat_map(|record| record[output].iter());
     tracks.filter(|own| !own.is_nan()).map(|own| own * own).collect()
 }
 
-/// Whether what was held back leaves more of an output than training does by so much that it is no chance.
-fn is_beyond_chance(stage: &Stage, output: usize) -> bool {
-    let parts = [&stage.train, &stage.test].map(|fitted| squares(fitted, output));
-    let [was, is] = parts.each_ref().map(|own| mean(own));
+/// Whether squares that remember for so many samples are more than others, or than the noise, by so much that it is no chance.
+fn is_more(before: &[f64], after: &[f64], memory: f64) -> bool {
+    let (was, is) = (mean(before).max(1.0), mean(after));
     // The mean of the squares of m normal numbers is off by sqrt(2 / m) of itself.
-    let [learnt, held] = parts.map(|own| 2.0 * stage.memory / own.len().max(1) as f64);
-    let was = was.max(1.0);
-    is - was > BY_CHANCE * (learnt * was * was + held * is * is).sqrt()
+    let [learnt, held] = [before, after].map(|own| 2.0 * memory / own.len().max(1) as f64);
+    let by_chance = BY_CHANCE * (learnt * was * was + held * is * is).sqrt();
+    is > CHANGED * CHANGED * was || is - was > by_chance
 }
 
 impl Problem {
@@ -98,21 +106,51 @@ impl Problem {
     }
 
     /// Why the data cannot judge a patch that leaves nothing but noise; nothing where they can.
-    pub(super) fn is_blind(&self, base: &Stage, rounds: &[Round], limits: &[Limit]) -> Option<Blind> {
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records.
+    pub(super) fn is_blind(
+        &self,
+        base: &Stage,
+        rounds: &[Round],
+        limits: &[Limit],
+    ) -> Result<Option<Blind>, ModelError> {
         if base.train.count <= base.train.free {
-            return Some(Blind::Few);
+            return Ok(Some(Blind::Few));
         }
         let needed = rounds.first().map_or(0.0, |round| round.needed);
         if self.motion(base) < needed * base.memory {
-            return Some(Blind::Still);
+            return Ok(Some(Blind::Still));
         }
-        if self.has_changed(base) {
-            return Some(Blind::Changed(base.test.over_noise()));
+        let left =
+            self.outputs.iter().enumerate().map(|(place, name)| (name, over_sigma(&base.train, place)));
+        if let Some((output, left)) = left.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|own| own.1 > LOUD) {
+            return Ok(Some(Blind::Loud(output.clone(), left)));
+        }
+        if self.has_changed(base) && !self.holds_for_all(base)? {
+            return Ok(Some(Blind::Changed(base.test.over_noise())));
         }
         if rounds.iter().all(|round| round.trials.is_empty()) {
-            return Some(Blind::Nowhere);
+            return Ok(Some(Blind::Nowhere));
         }
-        (!limits.iter().any(Limit::is_seen)).then_some(Blind::Effects)
+        Ok((!limits.iter().any(Limit::is_seen)).then_some(Blind::Effects))
+    }
+
+    /// Whether the patch explains all data when it is fitted to all: what training left open may have led it astray in what was
+    /// held back, as where motion sticks.
+    fn holds_for_all(&self, base: &Stage) -> Result<bool, ModelError> {
+        let records = [self.train.as_slice(), &self.test].concat();
+        let initial = [base.train.point.initial.as_slice(), &base.test.point.initial].concat();
+        let model = self.model(&base.version, &records, &self.outputs)?;
+        let start = Point { initial, ..base.train.point.clone() };
+        let Some(fitted) = self.task(&model, &records, true).fit(&start) else { return Ok(false) };
+        let (train, test) = fitted.residuals.split_at(self.train.len());
+        let is_explained = |output: usize| {
+            let was = squares(&base.train.residuals, output);
+            let parts = [train, test].map(|part| squares(part, output));
+            parts.iter().all(|is| !is_more(&was, is, base.memory))
+        };
+        Ok((0..self.outputs.len()).all(is_explained))
     }
 
     /// What the patch explains of the training data beside a constant, in squares over the noise.

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use serde_json::{Map, Value, json};
 
 use super::beyond::Beyond;
-use super::blind::{Blind, has_changed, over_sigma};
+use super::blind::{Blind, LOUD, has_changed, over_sigma};
 use super::candidate::Candidate;
 use super::correlation::Correlation;
 use super::experiment::{Experiment, Output};
@@ -59,10 +59,8 @@ impl Stage {
     }
 }
 
-/// What is left is as large as the noise, unless that is told too large: by so much less it is not by chance,
+/// What is left is as large as the noise, unless that is told too large: by so much less it is not by chance.
 const FAR_LESS: f64 = 0.5;
-/// nor by so much more, where it looks like noise.
-const FAR_MORE: f64 = 2.0;
 
 impl Outcome {
     /// What the reader should doubt, in sentences: ranges at whose end the patch stands, more noise than there can be, a solver that
@@ -156,16 +154,23 @@ impl Outcome {
         }
         let of = |(place, output): (usize, &Output)| {
             let [train, test] = [&stage.train, &stage.test].map(|fitted| over_sigma(fitted, place));
-            let loud = (train > FAR_MORE).then(|| {
+            let loud = (train > LOUD).then(|| {
                 format!(
                     "What is left of {} is {} times its noise, although it looks like noise: there is more noise in these data than that, or something too fast for them.",
                     output.signal,
                     number(train)
                 )
             });
+            // Where nothing is missing the patch explains both, fitted to both.
+            let why = match self.verdict {
+                Verdict::NothingMissing => {
+                    "fitted to both, the patch explains both: what training leaves open led it astray"
+                }
+                _ => "something has changed by then, or shows there alone",
+            };
             let held = has_changed(stage, place).then(|| {
                 format!(
-                    "Of {} {} times its noise is left of the data held back, and {} in training: something has changed by then, or shows there alone.",
+                    "Of {} {} times its noise is left of the data held back, and {} in training: {why}.",
                     output.signal,
                     number(test),
                     number(train)

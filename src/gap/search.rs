@@ -216,7 +216,7 @@ impl Problem {
         let left = last.gap() / base.gap();
         let limits = rounds.first().map(|round| self.limits(round, with.threads)).transpose()?;
         let limits = limits.unwrap_or_default();
-        let blind = self.is_blind(&base, &rounds, &limits);
+        let blind = self.is_blind(&base, &rounds, &limits)?;
         let mut verdict = self.verdict(&last, &rounds, left, blind.is_some());
         let mut whereabouts = Vec::new();
         if !matches!(verdict, Verdict::NothingMissing | Verdict::CannotJudge) {

@@ -94,22 +94,21 @@ fn what_a_parameter_follows_shows_from_the_end_of_its_range_on() {
 }
 
 #[test]
-fn noise_that_is_told_too_small_or_too_large_is_doubted() {
-    let doubts = |times: f64| {
+fn noise_that_is_told_too_small_or_too_large_is_said() {
+    let told = |times: f64| {
         let (mut experiment, mut problem) = nothing();
         problem.sigma[0] *= times;
         experiment.outputs[0].sigma = Some(problem.sigma[0]);
         let found = searched_for(&["constant-bias"], &experiment, &problem);
-        assert_eq!(found.verdict, Verdict::NothingMissing);
-        found.doubts(&experiment)
+        (found.verdict, found.sentence(), found.doubts(&experiment))
     };
-    assert_eq!(doubts(1.0), Vec::<String>::new());
-    let loud = doubts(0.25);
-    assert!(
-        loud.len() == 1 && loud[0].contains(" times its noise, although it looks like noise"),
-        "{loud:?}"
-    );
-    let quiet = doubts(4.0);
+    let (verdict, _, doubts) = told(1.0);
+    assert_eq!((verdict, doubts), (Verdict::NothingMissing, Vec::new()));
+    let (verdict, sentence, _) = told(0.25);
+    assert_eq!(verdict, Verdict::CannotJudge);
+    assert!(sentence.contains(" times its noise, although it looks like noise"), "{sentence}");
+    let (verdict, _, quiet) = told(4.0);
+    assert_eq!(verdict, Verdict::NothingMissing);
     assert!(quiet.len() == 1 && quiet[0].contains(" times the noise that the experiment tells"), "{quiet:?}");
 }
 
