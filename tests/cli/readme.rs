@@ -89,7 +89,7 @@ fn the_readmes_spring_lacks_the_damping_that_the_readme_says() {
         assert_eq!((code(&ran), errors(&ran).as_str()), (0, ""), "{command}");
         printed = out(&ran);
     }
-    let promised = readme_block("tries 22 effects wherever they fit, and says\n");
+    let promised = readme_block("tries every effect of 22 that finds a place, and says\n");
     assert_eq!(printed.lines().next(), promised.iter().map(String::as_str).find(|line| !line.is_empty()));
     let report = fs::read_to_string(folder.path().join("found/report.json")).unwrap();
     let report: Value = serde_json::from_str(&report).unwrap();
