@@ -1,6 +1,8 @@
 //! Effects wired into patches: they attach where dimensions fit, whatever the signs of the wiring, and follow their laws.
 
 mod common;
+#[path = "common/integrated.rs"]
+mod integrated;
 
 use patchcord::circuit::Circuit;
 use patchcord::gap::candidate::Candidate;
@@ -12,6 +14,8 @@ use patchcord::patch::Patch;
 use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
 use patchcord::trace::Trace;
+
+use integrated::integrated;
 
 /// A mass of 2 kg pushed by a force of 10 N times a sine of 1 Hz; its integrator gives velocity with one sign or the other.
 fn mass(is_upright: bool) -> Patch {
@@ -230,28 +234,6 @@ fn a_stop_that_is_pressed_lights_no_lamp() {
 /// The force of the drive.
 fn push(t: f64) -> f64 {
     10.0 * (2.0 * std::f64::consts::PI * t + 1.0).sin()
-}
-
-/// A state at so many samples, by the method of Runge and Kutta in a hundred steps for each.
-fn integrated<const N: usize>(
-    first: [f64; N],
-    (every, count): (f64, usize),
-    rates: impl Fn(f64, [f64; N]) -> [f64; N],
-) -> Vec<[f64; N]> {
-    let h = 0.01 * every;
-    let moved =
-        |from: [f64; N], by: [f64; N], share: f64| std::array::from_fn(|own| from[own] + share * h * by[own]);
-    let step = |t: f64, state: [f64; N]| {
-        let a = rates(t, state);
-        let b = rates(t + 0.5 * h, moved(state, a, 0.5));
-        let c = rates(t + 0.5 * h, moved(state, b, 0.5));
-        let d = rates(t + h, moved(state, c, 1.0));
-        moved(state, std::array::from_fn(|own| (a[own] + 2.0 * b[own] + 2.0 * c[own] + d[own]) / 6.0), 1.0)
-    };
-    let next = |from: [f64; N], sample: usize| {
-        (0..100).fold(from, |state, part| step((sample * 100 + part) as f64 * h, state))
-    };
-    (0..count).scan(first, |state, sample| Some(std::mem::replace(state, next(*state, sample)))).collect()
 }
 
 /// The velocity, which comes first in a state, as long as the mass slides forth.

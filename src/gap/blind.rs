@@ -1,6 +1,5 @@
 //! Data that cannot judge a patch: what leaves nothing but noise is then no proof that nothing is missing.
 
-use super::beyond::Beyond;
 use super::fit::{Fitted, Point};
 use super::limits::Limit;
 use super::model::ModelError;
@@ -31,10 +30,6 @@ pub enum Blind {
 }
 
 impl Blind {
-    pub(super) fn beyond(beyond: &Beyond) -> Blind {
-        Blind::Beyond(beyond.told())
-    }
-
     /// The same in words.
     pub fn sentence(&self) -> String {
         match self {
@@ -63,11 +58,10 @@ impl Blind {
 
 /// By chance data held back leave less than so many times what training leaves, or than the noise.
 const CHANGED: f64 = 2.0;
-
+/// What is left of them lies less than so many standard deviations above that of training by chance.
+const BY_CHANCE: f64 = 5.0;
 /// What looks like noise is no more than so many times as much.
 pub(super) const LOUD: f64 = 2.0;
-/// It lies less than so many standard deviations above that of training by chance.
-const BY_CHANCE: f64 = 5.0;
 
 /// Whether what explains an output in training does not explain it in what was held back.
 pub(super) fn has_changed(stage: &Stage, output: usize) -> bool {
@@ -100,7 +94,7 @@ fn is_more(before: &[f64], after: &[f64], memory: f64) -> bool {
 }
 
 impl Problem {
-    /// The same of any output.
+    /// Whether what explains training does not explain what was held back, of any output.
     pub(super) fn has_changed(&self, stage: &Stage) -> bool {
         (0..self.outputs.len()).any(|output| has_changed(stage, output))
     }

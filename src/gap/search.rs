@@ -228,7 +228,8 @@ impl Problem {
             verdict = Verdict::UnknownEffect;
         }
         let beyond = self.beyond(&base, &last)?;
-        let blind = beyond.as_ref().filter(|own| own.leaves_noise()).map(Blind::beyond).or(blind);
+        let blind =
+            beyond.as_ref().filter(|own| own.leaves_noise()).map(|own| Blind::Beyond(own.told())).or(blind);
         if let Some(own) = &beyond {
             verdict = own.weighed(verdict);
         }

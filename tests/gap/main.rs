@@ -3,6 +3,8 @@
 //! `PATCHCORD_BLESS=1 cargo test --test gap` rewrites the reports.
 
 mod bad;
+#[path = "../common/integrated.rs"]
+mod integrated;
 #[path = "../common/library.rs"]
 mod library;
 mod limits;

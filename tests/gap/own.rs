@@ -5,34 +5,18 @@ use std::fs;
 use patchcord::gap::effect::Library;
 use patchcord::gap::search::Means;
 
+use super::integrated::integrated;
 use super::oscillator::{INTERVAL, measured};
 
-/// Steps from sample to sample.
-const STEPS: u32 = 10;
-
-/// Where a mass of 3 kg stands on a spring of 500 N/m, with damping of 5 N s/m and a pull of k2 x^2: Runge and Kutta.
+/// Where a mass of 3 kg stands on a spring of 500 N/m, with damping of 5 N s/m and a pull of k2 x^2, under a force that goes
+/// straight from sample to sample.
 fn askew(k2: f64, forces: &[f64]) -> Vec<f64> {
-    let rates = |[x, v]: [f64; 2], force: f64| [v, (force - 500.0 * x - k2 * x * x - 5.0 * v) / 3.0];
-    let on = |[x, v]: [f64; 2], [dx, dv]: [f64; 2], by: f64| [x + by * dx, v + by * dv];
-    let (mut state, h) = ([0.0, 0.0], INTERVAL / f64::from(STEPS));
-    let mut stood = vec![0.0];
-    for pair in forces.windows(2) {
-        for step in 0..STEPS {
-            let force = |part: f64| {
-                let share = (f64::from(step) + part) / f64::from(STEPS);
-                pair[0] + share * (pair[1] - pair[0])
-            };
-            let first = rates(state, force(0.0));
-            let second = rates(on(state, first, h / 2.0), force(0.5));
-            let third = rates(on(state, second, h / 2.0), force(0.5));
-            let fourth = rates(on(state, third, h), force(1.0));
-            for (place, own) in state.iter_mut().enumerate() {
-                *own += h / 6.0 * (first[place] + 2.0 * second[place] + 2.0 * third[place] + fourth[place]);
-            }
-        }
-        stood.push(state[0]);
-    }
-    stood
+    let force = |time: f64| {
+        let before = ((time / INTERVAL) as usize).min(forces.len() - 2);
+        forces[before] + (time / INTERVAL - before as f64) * (forces[before + 1] - forces[before])
+    };
+    let rates = |time: f64, [x, v]: [f64; 2]| [v, (force(time) - 500.0 * x - k2 * x * x - 5.0 * v) / 3.0];
+    integrated([0.0; 2], (INTERVAL, forces.len()), rates).into_iter().map(|[x, _]| x).collect()
 }
 
 #[test]
