@@ -24,6 +24,14 @@ pub struct Known {
     pub at: f64,
     /// The inverse of the variance about that, over that of the noise.
     pub weight: f64,
+    /// The least and the largest value that it may have.
+    pub range: [f64; 2],
+}
+
+impl Known {
+    fn may_be(&self, value: f64) -> bool {
+        (self.range[0]..=self.range[1]).contains(&value)
+    }
 }
 
 /// Numbers found.
@@ -147,20 +155,45 @@ impl Products {
 
     /// The same with free numbers that stay where they are.
     pub fn frozen(&self) -> Products {
-        let frozen = Known { at: 0.0, weight: FROZEN * self.sums.diagonal().max() };
-        Products { known: vec![frozen; self.known.len()], ..self.clone() }
+        let known = self.known.iter().map(|own| self.fixed(own, 0.0)).collect();
+        Products { known, ..self.clone() }
     }
 
-    /// The most likely numbers, with the likeness and weight that the data bear out.
+    /// What is known of a free number that is at a value.
+    fn fixed(&self, known: &Known, at: f64) -> Known {
+        Known { at, weight: FROZEN * self.sums.diagonal().max(), ..*known }
+    }
+
+    /// The most likely numbers, with the likeness and weight that the data bear out; free numbers that would leave their ranges stand
+    /// at the ends of these.
     pub fn solved(&self) -> Option<Solved> {
-        let sums = self.with_known();
+        let mut known = self.known.clone();
+        let mut is_open = vec![true; known.len()];
+        loop {
+            let solved = self.most_likely(&known)?;
+            let left: Vec<usize> = (0..known.len())
+                .filter(|place| is_open[*place] && !known[*place].may_be(solved.free[*place]))
+                .collect();
+            if left.is_empty() {
+                return Some(solved);
+            }
+            for place in left {
+                let [low, high] = known[place].range;
+                known[place] = self.fixed(&known[place], solved.free[place].clamp(low, high));
+                is_open[place] = false;
+            }
+        }
+    }
+
+    fn most_likely(&self, known: &[Known]) -> Option<Solved> {
+        let sums = self.with_known(known);
         let each = Likeness::ALL.iter().filter_map(|likeness| self.solve(&sums, *likeness));
         each.max_by(|a, b| a.evidence.total_cmp(&b.evidence))
     }
 
-    fn with_known(&self) -> DMatrix<f64> {
+    fn with_known(&self, known: &[Known]) -> DMatrix<f64> {
         let (mut sums, last) = (self.sums.clone(), self.sums.ncols() - 1);
-        for (place, Known { at, weight }) in self.known.iter().enumerate() {
+        for (place, Known { at, weight, .. }) in known.iter().enumerate() {
             sums[(place, place)] += weight;
             sums[(place, last)] += weight * at;
             sums[(last, place)] += weight * at;
@@ -192,7 +225,7 @@ impl Products {
     /// The covariance of the sought numbers if the free ones were known, of numbers found.
     pub fn covariance_alone(&self, found: &Solved) -> Option<DMatrix<f64>> {
         let frozen = self.frozen();
-        let (_, reduced) = frozen.reduced(&frozen.with_known(), found.likeness)?;
+        let (_, reduced) = frozen.reduced(&frozen.with_known(&frozen.known), found.likeness)?;
         Some(reduced.found(found.weight).1)
     }
 

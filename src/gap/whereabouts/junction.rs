@@ -3,7 +3,7 @@
 use super::against::Variable;
 use super::evidence::Solved;
 use super::recovered::{setting, with_function, with_table};
-use super::unknown::{Found, Shape, Sought, Start};
+use super::unknown::{Found, Shape, Sought, Start, between};
 use super::{Curve, Force, Whereabouts};
 use crate::gap::effort::Effort;
 use crate::gap::fit::{Fitted, Point, Task, unexplained};
@@ -349,7 +349,13 @@ impl At<'_> {
         let from_open = Start { point: beside, sought: Some(&numbers) };
         let from_none = Start { point: &self.stage.train.point, sought: None };
         let nearer = |a: &Found, b: &Found| a.chi2.total_cmp(&b.chi2);
-        let found = [from_open, from_none].into_iter().filter_map(|start| sought.find(&start)).min_by(nearer);
+        let places = outline(&knots);
+        let outlined = Sought { shape: &shape.coarser(&places), ..sought }.find(&from_none);
+        let outlined = outlined.map(|own| (between(&places, &own.sought, knots.len()), own.point));
+        let from_outline =
+            outlined.as_ref().map(|(numbers, point)| Start { point, sought: Some(numbers) });
+        let starts = [from_open, from_none].into_iter().chain(from_outline);
+        let found = starts.filter_map(|start| sought.find(&start)).min_by(nearer);
         let grown = found.as_ref().is_none_or(|own| self.is_astray(own, curve)).then(|| sought.grown(&GROWN));
         let Some(found) = found.into_iter().chain(grown.flatten()).min_by(nearer) else { return Ok(None) };
         let (patch, _) = wired(&found.sought)?;
@@ -358,6 +364,15 @@ impl At<'_> {
             self.problem.held(&version, &found.point, Some(&self.stage.test.point.initial), Effort::FULL)?;
         Ok(test.map(|test| Closed { patch: version.patch, found, test }))
     }
+}
+
+/// The places of the few knots between which a curve goes nearly straight: the ends, those about 0, and one between.
+fn outline(knots: &[f64]) -> Vec<usize> {
+    let last = knots.len() - 1;
+    let zero = knots.partition_point(|knot| *knot < 0.0).clamp(1, last);
+    let mut places = vec![0, (zero - 1) / 2, zero - 1, zero, (zero + last) / 2, last];
+    places.dedup();
+    places
 }
 
 /// The share of a gap that is closed where so much is left of its squares.

@@ -29,6 +29,16 @@ impl Shape {
         self.records[record].iter().map(|(time, parts)| [*time, force(parts)]).collect()
     }
 
+    /// The same of one group, whose numbers follow from those at a few places: straight from one to the next.
+    pub fn coarser(&self, places: &[usize]) -> Shape {
+        let few = |(place, share): &(usize, f64)| {
+            nearest(places, *place).map(|(few, near)| (few, share * near))
+        };
+        let instant = |(time, parts): &Instant| (*time, parts.iter().flat_map(few).collect());
+        let records = self.records.iter().map(|own| own.iter().map(instant).collect());
+        Shape { groups: vec![places.len()], records: records.collect() }
+    }
+
     /// How many numbers there are.
     pub fn count(&self) -> usize {
         self.groups.iter().sum()
@@ -44,7 +54,22 @@ impl Shape {
     }
 }
 
+/// Numbers of which these stand at a few places, straight from one to the next.
+pub fn between(places: &[usize], few: &[f64], count: usize) -> Vec<f64> {
+    let number = |place| nearest(places, place).iter().map(|(own, near)| near * few[*own]).sum();
+    (0..count).map(number).collect()
+}
+
+/// The two of a few places beside another, and how near it is to each.
+fn nearest(places: &[usize], place: usize) -> [(usize, f64); 2] {
+    let next = places.partition_point(|own| *own < place).clamp(1, places.len() - 1);
+    let [from, to] = [next - 1, next].map(|own| places[own] as f64);
+    let way = (place as f64 - from) / (to - from);
+    [(next - 1, 1.0 - way), (next, way)]
+}
+
 /// A force that is looked for.
+#[derive(Clone, Copy)]
 pub struct Sought<'a> {
     /// The patch with a table for it, and what it is held against.
     pub task: Task<'a>,
@@ -244,6 +269,7 @@ impl Sought<'_> {
         let known = free.iter().map(|index| Known {
             at: home[*index] - standing.at[*index],
             weight: if self.is_offset(*index) { HARDLY } else { 1.0 / (self.near * self.near) },
+            range: self.task.bounds(*index).map(|end| end - standing.at[*index]),
         });
         let mut products = Products::new(known.collect(), self.shape.groups.clone(), self.without);
         let mut is_whole = true;
