@@ -6,6 +6,7 @@ use super::model::ModelError;
 use super::round::Round;
 use super::stage::{Problem, Stage};
 use super::turned::Turned;
+use super::unrest::{NotWhite, SlowNoise};
 use crate::instruments::number;
 
 /// Why data cannot judge a patch.
@@ -17,6 +18,10 @@ pub enum Blind {
     Still,
     /// What is left looks like noise, but of this output it is so many times its noise.
     Loud(String, f64),
+    /// What is left is no more than noise, but not white.
+    NotWhite(NotWhite),
+    /// What is left goes like slow noise of a sensor.
+    Slow(SlowNoise),
     /// What explains the training data does not explain those held back: so many times the noise is left of them.
     Changed(f64),
     /// No effect could be tried.
@@ -39,6 +44,8 @@ impl Blind {
                 "what is left of {output} is {} times its noise, although it looks like noise: there are wild samples in these data, more noise than that, or something too fast for them",
                 number(*left)
             ),
+            Blind::NotWhite(own) => own.sentence(),
+            Blind::Slow(own) => own.sentence(),
             Blind::Changed(left) => format!(
                 "what holds in training does not hold in the data held back, of which {} times the noise is left: something has changed by then, or shows there alone",
                 number(*left)
@@ -74,12 +81,12 @@ pub(super) fn over_sigma(fitted: &Fitted, output: usize) -> f64 {
     mean(&squares(&fitted.residuals, output)).sqrt()
 }
 
-fn mean(values: &[f64]) -> f64 {
+pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// What is left of an output in squares over the noise, sample by sample.
-fn squares(residuals: &[Vec<Vec<f64>>], output: usize) -> Vec<f64> {
+pub(super) fn squares(residuals: &[Vec<Vec<f64>>], output: usize) -> Vec<f64> {
     let tracks = residuals.iter().flat_map(|record| record[output].iter());
     tracks.filter(|own| !own.is_nan()).map(|own| own * own).collect()
 }

@@ -1,4 +1,4 @@
-//! Normal numbers for tests.
+//! Normal numbers drawn by chance.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};

@@ -1,6 +1,6 @@
 //! The experiment as a person wrote it, read but not yet held against patch and data.
 
-use crate::patch::fields::{Fields, Findings, flag, positive, word, words, wrong_type};
+use crate::patch::fields::{Fields, Findings, flag, not_negative, positive, word, words, wrong_type};
 use crate::patch::tree::{Content, Entry, Node};
 use crate::patch::{Code, Diagnostic, Dimension, Placed, Unit, range, suggestion, unit_of};
 
@@ -77,6 +77,7 @@ pub(super) struct Wire {
 pub(super) struct DriveWire {
     pub wire: Wire,
     pub hold: Hold,
+    pub sigma: Option<f64>,
 }
 
 /// A signal that a column measures.
@@ -308,10 +309,13 @@ fn wire<T>(
 }
 
 fn drive(entry: &Entry, findings: &mut Findings) -> Option<DriveWire> {
-    let (wire, hold) = wire(entry, "drive", findings, |fields, findings| {
-        fields.and_then(|fields| hold(fields.take("hold")?, findings))
+    let (wire, (hold, sigma)) = wire(entry, "drive", findings, |fields, findings| {
+        let Some(fields) = fields else { return (None, None) };
+        let hold = fields.take("hold").and_then(|node| hold(node, findings));
+        (hold, not_negative(fields, "sigma", findings))
     })?;
-    Some(DriveWire { wire, hold: hold.unwrap_or(Hold::Linear) })
+    let sigma = sigma.map(|sigma| sigma.value);
+    Some(DriveWire { wire, hold: hold.unwrap_or(Hold::Linear), sigma })
 }
 
 fn hold(node: &Node, findings: &mut Findings) -> Option<Hold> {

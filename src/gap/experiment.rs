@@ -51,6 +51,8 @@ pub struct Feed {
     pub column: String,
     /// What it does between samples.
     pub hold: Hold,
+    /// Standard deviation of the noise of the column, in `unit`, where the experiment tells it.
+    pub sigma: Option<f64>,
     /// The unit of its scale, in which records hold it.
     pub unit: Unit,
     /// What a volt stands for, in this unit, with the parameters of the patch.

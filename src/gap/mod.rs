@@ -10,7 +10,6 @@ pub mod beyond;
 pub mod blind;
 pub mod candidate;
 pub mod correlation;
-#[cfg(test)]
 mod dice;
 mod directions;
 mod document;
@@ -48,6 +47,7 @@ mod steps;
 mod subject;
 mod together;
 pub mod turned;
+pub mod unrest;
 pub mod whereabouts;
 
 pub use document::Hold;

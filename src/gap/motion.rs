@@ -47,24 +47,33 @@ struct Column<'a> {
     unit: &'a Unit,
     trained: Extent,
     tested: Extent,
+    /// Which share of its samples lies off the scale.
+    off: f64,
 }
+
+/// A sample lies off the scale by more than so many times what the machine can hold;
+const OFF: f64 = 1.05;
+/// up to this share of them is let pass with a warning.
+const FEW: f64 = 0.01;
 
 /// Looks at every column of an experiment.
 pub(super) fn check(made: &Experiment, document: &Document, findings: &mut Findings) {
-    let extents = |samples: &dyn for<'r> Fn(&'r Record) -> &'r [f64]| {
-        [&made.train, &made.test].map(|records| Extent::of(records, samples))
+    let column = |(wire, noun), per_volt, unit, samples: &dyn for<'r> Fn(&'r Record) -> &'r [f64]| {
+        let [trained, tested] = [&made.train, &made.test].map(|records| Extent::of(records, samples));
+        let all = made.train.iter().chain(&made.test).flat_map(samples);
+        let off = share(all, |sample| sample.abs() > OFF * REFERENCE * f64::abs(per_volt));
+        Column { wire, noun, per_volt, unit, trained, tested, off }
     };
-    let drives =
-        made.drives.iter().enumerate().map(|(index, feed)| {
-            (feed.per_volt, &feed.unit, extents(&|record| record.drives[index].as_slice()))
-        });
-    let outputs = made.outputs.iter().enumerate().map(|(index, output)| {
-        (output.per_volt, &output.unit, extents(&|record| record.outputs[index].as_slice()))
+    let mut wires = document.wires();
+    let drives = made.drives.iter().zip(wires.by_ref()).enumerate().map(|(index, (feed, wire))| {
+        column(wire, feed.per_volt, &feed.unit, &|record| record.drives[index].as_slice())
     });
-    for ((wire, noun), (per_volt, unit, [trained, tested])) in document.wires().zip(drives.chain(outputs)) {
-        let column = Column { wire, noun, per_volt, unit, trained, tested };
-        findings.extend(column.still().or_else(|| column.beyond()));
-    }
+    let mut columns: Vec<Column<'_>> = drives.collect();
+    let outputs = made.outputs.iter().zip(wires).enumerate().map(|(index, (output, wire))| {
+        column(wire, output.per_volt, &output.unit, &|record| record.outputs[index].as_slice())
+    });
+    columns.extend(outputs);
+    findings.extend(columns.iter().filter_map(|column| column.still().or_else(|| column.beyond())));
     findings.extend(unknown_noise(made, document));
     findings.extend(next_to_no_noise(made, document));
     findings.extend(wild_samples(made, document));
@@ -191,6 +200,14 @@ impl Column<'_> {
                 told(full)
             )
         };
-        (most > full).then(|| Diagnostic::at(Code::BeyondScale, column.span, message()))
+        let code = if self.off > FEW { Code::OffScale } else { Code::BeyondScale };
+        (most > full).then(|| Diagnostic::at(code, column.span, message()))
     }
+}
+
+/// Which share of some samples is so; missing ones are not.
+fn share<'r>(samples: impl Iterator<Item = &'r f64>, is_so: impl Fn(&f64) -> bool) -> f64 {
+    let (so, all) =
+        samples.fold((0.0, 0.0), |(so, all), sample| (so + f64::from(u8::from(is_so(sample))), all + 1.0));
+    so / f64::max(all, 1.0)
 }

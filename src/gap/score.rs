@@ -130,12 +130,12 @@ pub(super) fn together<T: AddAssign>(outputs: impl Iterator<Item = Vec<T>>) -> V
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::gap::fit::Point;
 
     /// A fit that leaves these tracks: by record, of every output.
-    fn fitted(residuals: Vec<Vec<Vec<f64>>>) -> Fitted {
+    pub fn fitted(residuals: Vec<Vec<Vec<f64>>>) -> Fitted {
         let point = Point { knobs: Vec::new(), initial: Vec::new(), offsets: Vec::new() };
         let all = residuals.iter().flatten().flatten();
         let (chi2, count) = (all.clone().map(|own| own * own).sum(), all.count());

@@ -20,7 +20,7 @@ use super::site::Sites;
 use super::stage::{Asked, Problem, Stage, Untried};
 use super::starts::Agreement;
 use super::steps::Fineness;
-use super::whereabouts::Whereabouts;
+use super::whereabouts::{Whereabouts, likeliest};
 use crate::patch::Patch;
 use crate::pool;
 use crate::spare;
@@ -180,6 +180,10 @@ impl Problem {
         let mut come = Come { rounds: Vec::new(), effects: Vec::new(), stage: base.clone() };
         let (mut bettered, mut before_promise) = (0, None);
         while come.rounds.len() < MOST_EFFECTS {
+            // What noise of the drives brings is nothing that an effect might be named after.
+            if self.not_white(&come.stage, with.threads)?.is_some_and(|own| own.is_of_drives()) {
+                break;
+            }
             let round = self.round(&come.stage, &come.effects, None, with, progress)?;
             // A trial may have found what the patch alone could have been fitted to.
             let better = match bettered < MOST_BETTERED {
@@ -216,14 +220,27 @@ impl Problem {
         let left = last.gap() / base.gap();
         let limits = rounds.first().map(|round| self.limits(round, with.threads)).transpose()?;
         let limits = limits.unwrap_or_default();
-        let blind = self.is_blind(&base, &rounds, &limits)?;
-        let mut verdict = self.verdict(&last, &rounds, left, blind.is_some());
+        let not_white = self.not_white(&last, with.threads)?;
+        let leaves_noise = !last.leaves_structure() || not_white.is_some();
+        let blind = match not_white {
+            Some(own) => Some(Blind::NotWhite(own)),
+            None => self.is_blind(&base, &rounds, &limits)?,
+        };
+        let mut verdict = verdict(&rounds, left, leaves_noise, blind.is_some());
         let mut whereabouts = Vec::new();
         if !matches!(verdict, Verdict::NothingMissing | Verdict::CannotJudge) {
             progress(Progress::of(Part::Where));
             whereabouts = self.whereabouts(&base, with.threads)?;
         }
-        let is_doubtful = verdict.has_names() && leaves_much(&last, left);
+        let slow = match effects.is_empty() && verdict == Verdict::UnknownEffect {
+            true => self.slow_noise(&base, likeliest(&whereabouts)),
+            false => None,
+        };
+        let blind = slow.map(Blind::Slow).or(blind);
+        if matches!(blind, Some(Blind::Slow(_))) {
+            (verdict, whereabouts) = (Verdict::CannotJudge, Vec::new());
+        }
+        let is_doubtful = verdict.has_names() && !leaves_noise && leaves_much(&last, left);
         if is_doubtful && !is_sure(&base, &last, &rounds) && is_a_curve(&whereabouts, left) {
             verdict = Verdict::UnknownEffect;
         }
@@ -364,19 +381,6 @@ impl Problem {
         Ok(Sites::fed(&stage.version.patch, &self.drives)?)
     }
 
-    fn verdict(&self, stage: &Stage, rounds: &[Round], left: f64, is_blind: bool) -> Verdict {
-        let taken = rounds.iter().filter(|round| round.taken);
-        let most_left = MOST_LEFT * (taken.clone().count() as f64).sqrt();
-        match (taken.clone().count(), stage.leaves_structure()) {
-            (0, false) if is_blind => Verdict::CannotJudge,
-            (0, false) => Verdict::NothingMissing,
-            (0, true) => Verdict::UnknownEffect,
-            (_, true) if left > most_left => Verdict::UnknownEffect,
-            _ if taken.clone().any(|round| round.tied > 1) => Verdict::Ambiguous,
-            _ => Verdict::Named,
-        }
-    }
-
     /// Tries every effect on a stage that has some already; of one it may be known where it came to beside others.
     fn round(
         &self,
@@ -460,6 +464,20 @@ impl Problem {
         let mut round = Round::of(stage, effects.iter().map(Candidate::named).collect(), tried);
         round.left_out = left_out;
         Ok(round)
+    }
+}
+
+/// What rounds come to that leave such a share of the gap.
+fn verdict(rounds: &[Round], left: f64, leaves_noise: bool, is_blind: bool) -> Verdict {
+    let taken = rounds.iter().filter(|round| round.taken);
+    let most_left = MOST_LEFT * (taken.clone().count() as f64).sqrt();
+    match (taken.clone().count(), leaves_noise) {
+        (0, true) if is_blind => Verdict::CannotJudge,
+        (0, true) => Verdict::NothingMissing,
+        (0, false) => Verdict::UnknownEffect,
+        (_, false) if left > most_left => Verdict::UnknownEffect,
+        _ if taken.clone().any(|round| round.tied > 1) => Verdict::Ambiguous,
+        _ => Verdict::Named,
     }
 }
 

@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::candidate::Candidate;
 use super::effort::{Effort, Starts};
-use super::examine::{examine, peaks};
+use super::examine::{NoiseKind, examine, peaks};
 use super::experiment::{Experiment, Feed};
 use super::fit::{Fitted, MANY_DAMPINGS, MOST_ROUNDS, ONE_DAMPING, Point, SETTLED_SHARE, Task};
 use super::graft::{Attached, Brought, Place, Role};
@@ -22,6 +22,8 @@ use crate::patch::{Edit, EditError, Patch};
 pub struct Problem {
     /// Drives that the records feed.
     pub drives: Vec<Feed>,
+    /// Standard deviation of the noise of each.
+    pub drive_sigma: Vec<f64>,
     /// Signals that they hold.
     pub outputs: Vec<String>,
     /// Standard deviation of the noise of each.
@@ -226,6 +228,8 @@ const NEARLY: usize = 4;
 
 /// Where a column shows no noise, this share of its range counts as such: what the digits of a recorder leave.
 const LEAST_NOISE: f64 = 1e-6;
+/// A drive moves by so many times the noise of its column at least, rms.
+const LEAST_MOTION: f64 = 5.0;
 
 impl Problem {
     /// What an experiment asks for; noise that it does not tell is estimated without a model.
@@ -243,8 +247,15 @@ impl Problem {
                 estimates.fold(0.0, f64::max)
             })
         });
+        let drive_sigma = experiment.drives.iter().enumerate().map(|(place, feed)| {
+            feed.sigma.unwrap_or_else(|| {
+                let estimates = experiment.train.iter().map(|record| drive_noise(record, place));
+                estimates.fold(0.0, f64::max)
+            })
+        });
         let mut problem = Problem {
             drives: experiment.drives.clone(),
+            drive_sigma: drive_sigma.collect(),
             outputs: experiment.outputs.iter().map(|output| output.signal.clone()).collect(),
             sigma: sigma.collect(),
             offset: experiment.outputs.iter().map(|output| output.offset).collect(),
@@ -620,6 +631,14 @@ impl Peaks {
 fn widened(ends: [f64; 2], track: &[f64]) -> [f64; 2] {
     let there = track.iter().filter(|value| !value.is_nan());
     there.fold(ends, |[least, most], value| [least.min(*value), most.max(*value)])
+}
+
+/// The white noise of a drive in a record; what comes to as much as it moves by is no noise of its column but what it drives with.
+fn drive_noise(record: &Record, drive: usize) -> f64 {
+    let is = examine(&record.drives[drive], record.interval);
+    let noise =
+        is.noise.filter(|noise| noise.kind == NoiseKind::White && is.rms > LEAST_MOTION * noise.sigma);
+    noise.map_or(0.0, |noise| noise.sigma)
 }
 
 /// The noise of an output in a record; 0 where that is too short to tell.

@@ -169,6 +169,7 @@ pub(in crate::gap) mod tests {
         let records = vec![record];
         let problem = Problem {
             drives: Vec::new(),
+            drive_sigma: Vec::new(),
             outputs: vec!["A1".to_owned()],
             sigma: vec![sigma],
             offset: vec![false],

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::document::{Document, DriveWire, Held, Hold, OutputWire, Source};
+use super::document::{Document, DriveWire, Held, Hold, OutputWire, Source, Wire};
 use super::experiment::{Experiment, Feed, LEAST_SAMPLES, Output};
 use super::fittable::to_fit;
 use super::measured::{self, Measured, Wanted, plural};
@@ -194,13 +194,14 @@ impl<'a> Bringing<'a> {
     fn feed(&mut self, drive: &DriveWire, subject: Option<&Subject>) -> Option<Feed> {
         let target = subject?.drive(&drive.wire, self.findings)?;
         let Target { name, unit, per_volt } = target;
-        Some(Feed { drive: name, column: drive.wire.column.value.clone(), hold: drive.hold, unit, per_volt })
+        let sigma = drive.sigma.map(|sigma| of_unit(sigma, &drive.wire, &unit));
+        let column = drive.wire.column.value.clone();
+        Some(Feed { drive: name, column, hold: drive.hold, sigma, unit, per_volt })
     }
 
     fn output(&mut self, output: &OutputWire, subject: Option<&Subject>) -> Option<Output> {
         let Target { name, unit, per_volt } = subject?.signal(&output.wire, self.findings)?;
-        let told_in = output.wire.unit.as_ref().map_or(&unit, |told| &told.value);
-        let sigma = output.sigma.map(|sigma| unit.out_of_si(told_in.to_si(sigma)));
+        let sigma = output.sigma.map(|sigma| of_unit(sigma, &output.wire, &unit));
         let column = output.wire.column.value.clone();
         Some(Output { signal: name, column, sigma, offset: output.offset, unit, per_volt })
     }
@@ -306,6 +307,12 @@ impl<'a> Bringing<'a> {
     }
 }
 
+/// A deviation told in the unit of a column, or in this unit where the experiment tells none.
+fn of_unit(sigma: f64, wire: &Wire, unit: &Unit) -> f64 {
+    let told_in = wire.unit.as_ref().map_or(unit, |told| &told.value);
+    unit.out_of_si(told_in.to_si(sigma))
+}
+
 /// That a range goes on where the data of all these files have ended, by more than a sample; one that holds none of them is told
 /// elsewhere.
 fn beyond(range: &Placed<(f64, f64)>, reads: &[Read<'_>]) -> Option<Diagnostic> {
@@ -329,7 +336,7 @@ fn wanted<'d>(document: &'d Document, targets: impl Iterator<Item = Option<&'d U
     let sigmas = document
         .drives
         .iter()
-        .map(|_| false)
+        .map(|drive| drive.sigma.is_some())
         .chain(document.outputs.iter().map(|output| output.sigma.is_some()));
     let wanted = document.wires().zip(targets).zip(sigmas);
     wanted

@@ -131,6 +131,8 @@ codes! {
         "name the column that was meant";
     NotFittable "not-fittable" Error "A parameter that cannot be fitted."
         "fit another one, or give it a range";
+    OffScale "off-scale" Error "Data of which more than one sample in a hundred lies beyond 100 V of their scale: the machine would cut it off."
+        "let a volt of the scale stand for more, or tell the \"unit\" of the column, if it is another";
     SamplingGap "sampling-gap" Warning "Rows that are missing between others."
         "look whether the recorder lost them; what was measured then is left out";
     SharedSamples "shared-samples" Warning "Samples that are both trained and tested on."
@@ -141,7 +143,7 @@ codes! {
         "look at them; leave the rows of those out that the recorder let slip: they count as missing then";
     BeyondData "beyond-data" Warning "A range or a piece that goes on where the data have ended."
         "write the range that is meant: what lies beyond the data is left out";
-    BeyondScale "beyond-scale" Warning "Data for which 100 V of their scale are not enough."
+    BeyondScale "beyond-scale" Warning "A few data for which 100 V of their scale are not enough."
         "let a volt of the scale stand for more";
     UnfedDrives "unfed-drives" Warning "An experiment of which no column feeds a drive of the patch."
         "name the column of each under \"drives\", if what drove the thing was measured";

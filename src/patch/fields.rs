@@ -57,6 +57,22 @@ pub(crate) fn positive(
     Some(Placed { value, span: node.span })
 }
 
+/// A number that is not below 0.
+pub(crate) fn not_negative(
+    fields: &mut Fields<'_>,
+    key: &'static str,
+    findings: &mut Findings,
+) -> Option<Placed<f64>> {
+    let node = fields.take(key)?;
+    let value = number(node, key, findings)?;
+    if value < 0.0 {
+        let message = format!("\"{key}\" must not be below 0, as {value} is");
+        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
+        return None;
+    }
+    Some(Placed { value, span: node.span })
+}
+
 /// One text, or a list of texts.
 pub(crate) fn words(node: &Node, key: &str, findings: &mut Findings) -> Vec<Placed<String>> {
     match &node.value {

@@ -10,6 +10,8 @@ mod library;
 mod limits;
 #[path = "../common/mutated.rs"]
 mod mutated;
+#[path = "../common/noise.rs"]
+mod noise;
 mod oscillator;
 mod own;
 mod page;
@@ -20,6 +22,7 @@ mod separate;
 mod spoilt;
 mod story;
 mod turned;
+mod unrest;
 mod r#where;
 
 use std::collections::HashSet;

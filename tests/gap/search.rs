@@ -23,6 +23,13 @@ fn outcome(experiment: &Experiment, problem: &Problem, threads: usize) -> Outcom
     problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap()
 }
 
+/// The search of a case whose experiment something was done to, on two threads.
+pub fn spoilt(case: &str, spoil: impl FnOnce(&mut Experiment)) -> Outcome {
+    let mut experiment = read(&Path::new("tests/gap/hidden").join(case).join("experiment.json"));
+    spoil(&mut experiment);
+    outcome(&experiment, &Problem::of(&experiment).unwrap(), 2)
+}
+
 /// The search of a case of tests/gap/hidden, on so many threads, and its truth.
 pub fn searched(case: &str, threads: usize) -> (Experiment, Problem, Outcome, Value) {
     let folder = Path::new("tests/gap/hidden").join(case);

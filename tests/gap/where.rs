@@ -3,8 +3,6 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use chacha20::ChaCha8Rng;
-use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use patchcord::circuit::Circuit;
 use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
@@ -15,6 +13,8 @@ use patchcord::patch::{Edit, Patch};
 use patchcord::program::Program;
 use patchcord::solve::{RunSettings, run};
 use serde_json::{Value, json};
+
+use super::noise::white;
 
 /// Something that is hidden in a patch, and the records that it makes.
 pub struct Hidden {
@@ -79,10 +79,7 @@ impl Hidden {
     pub fn measured(&self) -> Experiment {
         let folder = tempfile::tempdir().unwrap();
         let names: Vec<&str> = self.outputs.iter().map(|output| output.0).collect();
-        let mut dice = ChaCha8Rng::seed_from_u64(4);
-        // The sum of twelve has a standard deviation of 1.
-        let mut noise =
-            || (0..12).map(|_| f64::from(dice.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0;
+        let mut noise = white(4);
         let mut csv = format!("t,{},{}\n", self.drive.0, names.join(","));
         let tracks = self.run(&names);
         for (sample, time) in self.times().enumerate() {
@@ -221,6 +218,32 @@ fn a_hill_of_force_goes_with_position_and_becomes_a_function_generator() {
     let gaps = [&stage, &with].map(|stage| [stage.gap(), stage.test.over_noise()]);
     assert!(gaps[1][0] < 0.3 * gaps[0][0] && gaps[1][1] < 0.3 * gaps[0][1], "{gaps:?}");
     assert!(curve.held_out.unwrap() > 0.9, "{:?}", curve.held_out);
+}
+
+/// The force of Coulomb friction jumps where the table turns, and that at places which the curve itself moves.
+#[test]
+fn coulomb_friction_goes_with_velocity() {
+    // 120 N of 400 kg, as 0.3 V at a gain of 1000.
+    let brake = json!({"kind": "pot", "in": "+100", "setting": 0.003});
+    let hidden = Hidden {
+        system: "slide",
+        edits: vec![(&["elements", "PB"], brake), (&["elements", "IV", "in", "brake_x1000"], json!(["PB"]))],
+        drive: ("v_i", |time| 0.012 * (9.0 * time).sin() + 0.012 * (23.0 * time + 1.0).sin()),
+        outputs: &[("x_error", 2e-8)],
+        fit: &["M", "f"],
+        interval: 0.001,
+        samples: 2400,
+    };
+    let (problem, stage) = hidden.fitted();
+    let found = problem.whereabouts(&stage, 2).unwrap();
+    assert_eq!((found[0].junction.as_str(), found[0].best_against()), ("IV", "v"));
+    let curve = &found[0].curves[found[0].best.unwrap()];
+    assert!(
+        curve.explains > 0.994 && curve.held_out.unwrap() > 0.96,
+        "{} {:?}",
+        curve.explains,
+        curve.held_out
+    );
 }
 
 /// The spring grows so much softer to one side that the patch without that falls out of step.

@@ -31,7 +31,7 @@ pub fn columns<'e>(experiment: &'e Experiment, record: &Record) -> Vec<Column<'e
         name: &feed.drive,
         column: &feed.column,
         unit: feed.unit.text(),
-        sigma: None,
+        sigma: feed.sigma,
         interval,
         is: examine(samples, interval),
     });

@@ -352,8 +352,7 @@ impl At<'_> {
         let places = outline(&knots);
         let outlined = Sought { shape: &shape.coarser(&places), ..sought }.find(&from_none);
         let outlined = outlined.map(|own| (between(&places, &own.sought, knots.len()), own.point));
-        let from_outline =
-            outlined.as_ref().map(|(numbers, point)| Start { point, sought: Some(numbers) });
+        let from_outline = outlined.as_ref().map(|(numbers, point)| Start { point, sought: Some(numbers) });
         let starts = [from_open, from_none].into_iter().chain(from_outline);
         let found = starts.filter_map(|start| sought.find(&start)).min_by(nearer);
         let grown = found.as_ref().is_none_or(|own| self.is_astray(own, curve)).then(|| sought.grown(&GROWN));

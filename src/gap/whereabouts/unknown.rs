@@ -31,9 +31,8 @@ impl Shape {
 
     /// The same of one group, whose numbers follow from those at a few places: straight from one to the next.
     pub fn coarser(&self, places: &[usize]) -> Shape {
-        let few = |(place, share): &(usize, f64)| {
-            nearest(places, *place).map(|(few, near)| (few, share * near))
-        };
+        let few =
+            |(place, share): &(usize, f64)| nearest(places, *place).map(|(few, near)| (few, share * near));
         let instant = |(time, parts): &Instant| (*time, parts.iter().flat_map(few).collect());
         let records = self.records.iter().map(|own| own.iter().map(instant).collect());
         Shape { groups: vec![places.len()], records: records.collect() }

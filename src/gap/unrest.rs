@@ -1,0 +1,251 @@
+//! What is left of data although nothing is missing, and is not white: what noise of the fed drives brings, and slow noise of a
+//! sensor.
+
+use std::ops::RangeInclusive;
+
+use super::blind::{mean, squares};
+use super::dice::normal;
+use super::experiment::Feed;
+use super::fit::{Fitted, Task};
+use super::model::{Course, ModelError};
+use super::record::Record;
+use super::stage::{Problem, Stage};
+use crate::instruments::number;
+use crate::pool;
+
+/// So often noise of the drives is drawn.
+const DRAWN: u64 = 32;
+/// What is left beside noise of the sensors is that of the drives up to so many times what draws of it bring in the mean, in squares:
+/// one in a hundred draws brings more where force drives a mass, whose place wanders off.
+const BROUGHT: f64 = 6.0;
+/// So often the derivatives are worked out for a draw: it moves the patch but a little.
+const ROUNDS: usize = 2;
+
+/// Slow noise remembers for so many samples,
+const TIMES: RangeInclusive<i32> = 1..=10;
+/// and has so many times the variance of the white noise beside it, in powers of two.
+const VARIANCES: RangeInclusive<i32> = -4..=12;
+
+/// Slow noise of an output.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SlowNoise {
+    /// The output.
+    pub output: String,
+    /// Over how many seconds it remembers.
+    pub seconds: f64,
+}
+
+impl SlowNoise {
+    /// The same in words.
+    pub fn sentence(&self) -> String {
+        format!(
+            "what is left of {} goes like slow noise of its sensor, which that remembers for about {} s, rather than like a force at any junction",
+            self.output,
+            number(self.seconds)
+        )
+    }
+}
+
+/// What is left although it is no more than noise brings: of the output of which that is most.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NotWhite {
+    /// The output.
+    pub output: String,
+    /// What is left of it, rms over its noise.
+    pub left: f64,
+    /// What noise of the drives brings of that,
+    pub brought: f64,
+    /// and which drives have any.
+    pub drives: Vec<String>,
+}
+
+impl NotWhite {
+    /// Whether it is noise of the drives that brings it, rather than less than the noise of the output.
+    pub fn is_of_drives(&self) -> bool {
+        self.left > 1.0
+    }
+
+    /// The same in words.
+    pub fn sentence(&self) -> String {
+        let Self { output, .. } = self;
+        let [left, brought] = [self.left, self.brought].map(number);
+        match self.is_of_drives() {
+            true => format!(
+                "what is left of {output}, {left} times its noise, is what noise of {} may bring, {brought} times on average: measure that better, or tell its \"sigma\", which is 0 of what is set and not measured",
+                self.drives.join(", ")
+            ),
+            false => format!(
+                "what is left of {output} is no more than its noise, {left} times, but not white: that noise is slow, or less than that, which its \"sigma\" would tell"
+            ),
+        }
+    }
+}
+
+impl Problem {
+    /// That a stage leaves structure, but no more of any output than noise brings, its own and that of the drives; nothing where
+    /// it leaves more, or no structure.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records.
+    pub(super) fn not_white(&self, stage: &Stage, threads: usize) -> Result<Option<NotWhite>, ModelError> {
+        if !stage.leaves_structure() {
+            return Ok(None);
+        }
+        let left = |output| mean(&squares(&stage.train.residuals, output));
+        let brought = self.brought_by_drives(stage, threads)?;
+        let is_noise = |output: usize| left(output) <= 1.0 + BROUGHT * brought[output];
+        let most = (0..brought.len()).max_by(|a, b| left(*a).total_cmp(&left(*b)));
+        let own = most.filter(|_| (0..brought.len()).all(is_noise)).map(|output| NotWhite {
+            output: self.outputs[output].clone(),
+            left: left(output).sqrt(),
+            brought: brought[output].sqrt(),
+            drives: self.noisy_drives().map(|feed| feed.drive.clone()).collect(),
+        });
+        Ok(own)
+    }
+
+    /// The drives whose columns have noise.
+    fn noisy_drives(&self) -> impl Iterator<Item = &Feed> {
+        self.drives.iter().zip(&self.drive_sigma).filter(|(_, sigma)| **sigma > 0.0).map(|(feed, _)| feed)
+    }
+
+    /// What noise of the drives brings to every output, mean square over its noise: what the patch, fitted again, leaves of what it
+    /// gives itself where its drives are fed with more such noise.
+    fn brought_by_drives(&self, stage: &Stage, threads: usize) -> Result<Vec<f64>, ModelError> {
+        if self.noisy_drives().next().is_none() {
+            return Ok(vec![0.0; self.outputs.len()]);
+        }
+        let seeds: Vec<u64> = (0..DRAWN).collect();
+        let drawn = pool::each(&seeds, threads, |seed| self.brought_by(stage, *seed), |_| ());
+        let drawn = drawn.into_iter().filter_map(Result::transpose).collect::<Result<Vec<Fitted>, _>>()?;
+        let brought = |output| {
+            mean(&drawn.iter().map(|own| mean(&squares(&own.residuals, output))).collect::<Vec<f64>>())
+        };
+        Ok((0..self.outputs.len()).map(brought).collect())
+    }
+
+    /// The same of one draw; nothing where the patch cannot be run with it.
+    fn brought_by(&self, stage: &Stage, seed: u64) -> Result<Option<Fitted>, ModelError> {
+        let records = self.fed_with_noise(stage, seed);
+        let model = self.model(&stage.version, &records, &self.outputs)?;
+        let task = Task { most_rounds: ROUNDS, ..self.task(&model, &records, true) };
+        Ok(task.fit(&stage.train.point))
+    }
+
+    /// The training records with what a stage gives as data, and more noise on their drives.
+    fn fed_with_noise(&self, stage: &Stage, seed: u64) -> Vec<Record> {
+        let places = 0..self.train.len() as u64;
+        let records = self.train.iter().zip(&stage.train.residuals).zip(places);
+        let with = |((record, left), place): ((&Record, &Vec<Vec<f64>>), u64)| {
+            let drives = record.drives.iter().zip(&self.drive_sigma).zip(0..);
+            let noisy = |((drive, sigma), number): ((&Vec<f64>, &f64), u64)| {
+                let noise = normal((seed << 40) + (place << 8) + number, drive.len());
+                drive.iter().zip(noise).map(|(value, noise)| value + sigma * noise).collect()
+            };
+            Record {
+                drives: drives.map(noisy).collect(),
+                outputs: self.without(&record.outputs, left),
+                ..record.clone()
+            }
+        };
+        records.map(with).collect()
+    }
+
+    /// Data without what is left of them.
+    fn without(&self, data: &[Vec<f64>], left: &[Vec<f64>]) -> Course {
+        let outputs = data.iter().zip(left).zip(&self.sigma);
+        let less = |((data, left), sigma): ((&Vec<f64>, &Vec<f64>), &f64)| {
+            data.iter().zip(left).map(|(datum, left)| datum - sigma * left).collect()
+        };
+        outputs.map(less).collect()
+    }
+
+    /// Slow noise of an output that explains what is left better than any force does whose evidence this is.
+    pub(super) fn slow_noise(&self, stage: &Stage, evidence: f64) -> Option<SlowNoise> {
+        let each = self.outputs.iter().enumerate().map(|(output, name)| {
+            let (likely, samples) = slowness(&stage.train, output);
+            (likely, SlowNoise { output: name.clone(), seconds: samples * self.train[0].interval })
+        });
+        let each: Vec<(f64, SlowNoise)> = each.collect();
+        let all: f64 = each.iter().map(|(likely, _)| likely.max(0.0)).sum();
+        let most = each.into_iter().max_by(|(a, _), (b, _)| a.total_cmp(b));
+        most.map(|(_, own)| own).filter(|_| all > evidence)
+    }
+}
+
+/// How likely it is that what is left of an output is slow noise beside white noise, as the logarithm over that of white noise alone,
+/// and over how many samples it remembers.
+fn slowness(fitted: &Fitted, output: usize) -> (f64, f64) {
+    let tracks: Vec<&[f64]> = fitted.residuals.iter().map(|record| record[output].as_slice()).collect();
+    let times = TIMES.map(|power| 2f64.powi(power));
+    let each = times.flat_map(|samples| VARIANCES.map(move |power| (samples, 2f64.powi(power))));
+    let likely = each.map(|(samples, variance)| (likelihood(&tracks, samples, variance), samples));
+    likely.max_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or((0.0, 1.0))
+}
+
+/// Logarithm of the likelihood of tracks as white noise and noise that remembers for so many samples and has so many times its
+/// variance, over that as white noise alone; how large both are together is free. Kalman's filter of one state.
+fn likelihood(tracks: &[&[f64]], samples: f64, variance: f64) -> f64 {
+    let keeps = (-1.0 / samples).exp();
+    let (mut count, mut alone, mut misfit, mut spread) = (0.0, 0.0, 0.0, 0.0_f64);
+    for track in tracks {
+        let (mut expected, mut unsure) = (0.0, variance);
+        for value in *track {
+            if !value.is_nan() {
+                let (off, all) = (value - expected, unsure + 1.0);
+                misfit += off * off / all;
+                spread += all.ln();
+                alone += value * value;
+                count += 1.0;
+                expected += unsure / all * off;
+                unsure /= all;
+            }
+            expected *= keeps;
+            unsure = keeps * keeps * unsure + (1.0 - keeps * keeps) * variance;
+        }
+    }
+    if alone > 0.0 { -0.5 * (count * (misfit / alone).ln() + spread) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn slow(seed: u64, keeps: f64, variance: f64) -> Vec<f64> {
+        let drawn = normal(seed, 2000);
+        let mut level = 0.0;
+        let size = (variance * (1.0 - keeps * keeps)).sqrt();
+        let own = normal(seed + 1, 2000).into_iter().zip(drawn).map(|(slow, white)| {
+            level = keeps * level + size * slow;
+            level + white
+        });
+        own.collect()
+    }
+
+    #[test]
+    fn slow_noise_is_likelier_than_white_noise_where_it_is() {
+        let best = |track: &[f64]| {
+            let tracks = [&track[..1000], &track[1000..]];
+            let residuals = tracks.map(|own| vec![own.to_vec()]).to_vec();
+            let fitted = crate::gap::score::tests::fitted(residuals);
+            slowness(&fitted, 0)
+        };
+        let (likely, samples) = best(&slow(3, (-1.0_f64 / 16.0).exp(), 4.0));
+        assert!(likely > 300.0 && (8.0..=32.0).contains(&samples), "{likely} {samples}");
+        let (likely, _) = best(&normal(5, 2000));
+        assert!(likely < 3.0, "{likely}");
+    }
+
+    /// Of two neighbours the likelihood is that of a plane of normal numbers.
+    #[test]
+    fn the_filter_gives_the_likelihood_of_its_definition() {
+        let (samples, variance, values) = (3.0_f64, 2.0_f64, [0.7, -1.1]);
+        let (all, both) = (variance + 1.0, variance * (-1.0 / samples).exp());
+        let determinant = all * all - both * both;
+        let [a, b] = values;
+        let misfit = (all * (a * a + b * b) - 2.0 * both * a * b) / determinant;
+        let expected = -0.5 * (2.0 * (misfit / (a * a + b * b)).ln() + determinant.ln());
+        let found = likelihood(&[&[f64::NAN, a, b]], samples, variance);
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+}
