@@ -9,6 +9,7 @@
 pub mod beyond;
 pub mod blind;
 pub mod candidate;
+mod come;
 pub mod correlation;
 mod dice;
 mod directions;
@@ -40,6 +41,7 @@ pub mod round;
 pub mod score;
 pub mod search;
 pub mod separate;
+mod settled;
 pub mod site;
 pub mod stage;
 pub mod starts;

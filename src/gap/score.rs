@@ -130,7 +130,7 @@ pub(super) fn together<T: AddAssign>(outputs: impl Iterator<Item = Vec<T>>) -> V
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::gap::fit::Point;
 

@@ -6,6 +6,7 @@ use std::cmp::Reverse;
 use super::beyond::Beyond;
 use super::blind::Blind;
 use super::candidate::Candidate;
+use super::come::Come;
 use super::correlation::Correlation;
 use super::effect::Library;
 use super::effort::Effort;
@@ -14,10 +15,11 @@ use super::limits::Limit;
 use super::model::ModelError;
 use super::places::Places;
 use super::progress::{Part, Progress};
-use super::round::{LEAST_CLOSED, LeftOut, Round};
+use super::round::{LeftOut, Round};
 use super::separate::Separating;
+use super::settled::Found;
 use super::site::Sites;
-use super::stage::{Asked, Problem, Stage, Untried};
+use super::stage::{Asked, Problem, Stage};
 use super::starts::Agreement;
 use super::steps::Fineness;
 use super::whereabouts::{Whereabouts, likeliest};
@@ -215,8 +217,7 @@ impl Problem {
         with: &Means<'_>,
         progress: &mut impl FnMut(Progress),
     ) -> Result<Outcome, ModelError> {
-        let Come { mut rounds, effects, stage } = come;
-        let last = self.with_intervals(stage, base.version.fit.len(), with.threads)?;
+        let Come { mut rounds, effects, stage: last } = self.shed(&base, come, with)?;
         let left = last.gap() / base.gap();
         let limits = rounds.first().map(|round| self.limits(round, with.threads)).transpose()?;
         let limits = limits.unwrap_or_default();
@@ -304,85 +305,12 @@ impl Problem {
         again.into_iter().find_map(Result::transpose).transpose()
     }
 
-    /// Looks at every effect again, beside all the others: another may be better now, or none be needed; at the last of them only
-    /// where the others, which stood when it was found, do not stand any more.
-    fn settled(
-        &self,
-        base: &Stage,
-        mut come: Come,
-        mut others_stand: bool,
-        with: &Means<'_>,
-        progress: &mut impl FnMut(Progress),
-    ) -> Result<Come, ModelError> {
-        let (mut place, have_stood) = (0, others_stand);
-        while come.effects.len() > 1 && place < come.effects.len() {
-            if others_stand && place + 1 == come.effects.len() {
-                break;
-            }
-            let others = come.effects.iter().enumerate().filter(|(other, _)| *other != place);
-            let others: Vec<&Candidate> = others.map(|(_, own)| own).collect();
-            let Some((kept, without)) = self.joined(base, &others, &come.stage, with.library)? else { break };
-            let is_needed = without.leaves_structure();
-            let found = Found::of(&come.effects[place], &come.stage);
-            let again =
-                is_needed.then(|| self.round(&without, &kept, Some(&found), with, progress)).transpose()?;
-            match again {
-                Some(again) if again.taken => {
-                    others_stand &= again.trials[0].candidate.is_same(&come.effects[place]);
-                    come.replace(place, kept, again);
-                    place += 1;
-                }
-                // Others that leave far more without it do not make needless what stood when it was found.
-                Some(_) if have_stood && come.stage.closed(&without) > LEAST_CLOSED => place += 1,
-                _ => {
-                    come.rounds.remove(place);
-                    (come.effects, come.stage) = (kept, without);
-                    others_stand = false;
-                }
-            }
-        }
-        Ok(come)
-    }
-
-    /// A stage with several effects wired in one after the other, which begin as they were found; nothing where one does not fit
-    /// any more.
-    fn joined(
-        &self,
-        base: &Stage,
-        effects: &[&Candidate],
-        found: &Stage,
-        library: &Library,
-    ) -> Result<Option<(Vec<Candidate>, Stage)>, ModelError> {
-        let (mut kept, mut stage) = (Vec::new(), base.clone());
-        stage.version.steps = stage.version.steps.max(found.version.steps);
-        for effect in effects {
-            let sites = self.sites(&stage)?;
-            let all = library.iter().flat_map(|own| Attached::all(own, &sites));
-            let Some(attached) = all.into_iter().find(|attached| effect.is(attached)) else {
-                return Ok(None);
-            };
-            let peaks = self.peaks(&stage)?;
-            let known = Found::of(effect, found).values;
-            let asked =
-                Asked { effort: Effort::FULL, wanted: stage.train.chi2, before: None, known: Some(&known) };
-            match self.attempt(&stage, &attached, &peaks, asked) {
-                Ok((candidate, next)) => {
-                    kept.push(candidate);
-                    stage = next;
-                }
-                Err(Untried::Model(error)) => return Err(error),
-                Err(Untried::Idle | Untried::NotRun) => return Ok(None),
-            }
-        }
-        Ok(Some((kept, stage)))
-    }
-
     pub(super) fn sites(&self, stage: &Stage) -> Result<Sites, ModelError> {
         Ok(Sites::fed(&stage.version.patch, &self.drives)?)
     }
 
     /// Tries every effect on a stage that has some already; of one it may be known where it came to beside others.
-    fn round(
+    pub(super) fn round(
         &self,
         stage: &Stage,
         effects: &[Candidate],
@@ -514,81 +442,4 @@ fn better_of(
     other: Option<(Candidate, Stage)>,
 ) -> Option<(Candidate, Stage)> {
     one.into_iter().chain(other).min_by(|(_, a), (_, b)| a.train.chi2.total_cmp(&b.train.chi2))
-}
-
-/// An effect, and the values that it came to beside others.
-struct Found<'a> {
-    effect: &'a Candidate,
-    values: Vec<f64>,
-}
-
-impl<'a> Found<'a> {
-    fn of(effect: &'a Candidate, stage: &Stage) -> Self {
-        Found { effect, values: stage.brought(effect).map(|(_, value, _)| value).collect() }
-    }
-
-    /// Its values where an effect is the same.
-    fn values_of(&self, attached: &Attached<'_>) -> Option<&[f64]> {
-        self.effect.is(attached).then_some(&*self.values)
-    }
-}
-
-/// How far a search has come.
-#[derive(Clone)]
-struct Come {
-    /// What was tried, one effect after the other.
-    rounds: Vec<Round>,
-    /// What was taken in the first of these rounds,
-    effects: Vec<Candidate>,
-    /// and the patch with it.
-    stage: Stage,
-}
-
-impl Come {
-    /// The same with a round that took nothing.
-    fn and(&self, round: &Round) -> Come {
-        let mut come = self.clone();
-        come.rounds.push(round.clone());
-        come
-    }
-
-    /// What came of a promise: what was there before, unless more effects hold together.
-    fn or(self, before: Come) -> Come {
-        let all_hold = self.rounds.iter().take(self.effects.len()).all(|round| round.taken);
-        if self.effects.len() > before.effects.len() && all_hold { self } else { before }
-    }
-
-    /// Whether to go on with a round: it is one more, and its best is taken, or may be beside what is still missing.
-    fn goes_on_with(&mut self, round: Round) -> bool {
-        let best = round.is_gone_on_from().then(|| round.trials[0].clone());
-        self.rounds.push(round);
-        let is_taken = best.is_some();
-        if let Some(best) = best {
-            self.effects.push(best.candidate);
-            self.stage = best.stage;
-        }
-        is_taken
-    }
-
-    /// Whether to go on from here with a better fit of the patch: not where its last effect would not have been taken then.
-    fn is_bettered_by(&mut self, better: Stage) -> bool {
-        let Some(last) = self.rounds.last_mut() else {
-            self.stage = better;
-            return true;
-        };
-        let Some(best) = last.refit(better) else { return false };
-        self.effects.pop();
-        self.effects.push(best.candidate);
-        self.stage = best.stage;
-        true
-    }
-
-    /// Another round in a place, found beside the others.
-    fn replace(&mut self, place: usize, others: Vec<Candidate>, round: Round) {
-        let best = round.trials[0].clone();
-        self.effects = others;
-        self.effects.insert(place, best.candidate);
-        self.stage = best.stage;
-        self.rounds[place] = round;
-    }
 }

@@ -81,6 +81,10 @@ impl NotWhite {
     }
 }
 
+/// Slow noise is taken for what is left where its likelihood lies so far above that of the likeliest force, as a logarithm: the
+/// force is sought at few times, and those lie up to 45 apart where there is a force that is hardly seen.
+const LIKELIER: f64 = 60.0;
+
 impl Problem {
     /// That a stage leaves structure, but no more of any output than noise brings, its own and that of the drives; nothing where
     /// it leaves more, or no structure.
@@ -160,7 +164,7 @@ impl Problem {
         outputs.map(less).collect()
     }
 
-    /// Slow noise of an output that explains what is left better than any force does whose evidence this is.
+    /// Slow noise of an output that explains what is left better than a force of this evidence.
     pub(super) fn slow_noise(&self, stage: &Stage, evidence: f64) -> Option<SlowNoise> {
         let each = self.outputs.iter().enumerate().map(|(output, name)| {
             let (likely, samples) = slowness(&stage.train, output);
@@ -169,7 +173,7 @@ impl Problem {
         let each: Vec<(f64, SlowNoise)> = each.collect();
         let all: f64 = each.iter().map(|(likely, _)| likely.max(0.0)).sum();
         let most = each.into_iter().max_by(|(a, _), (b, _)| a.total_cmp(b));
-        most.map(|(_, own)| own).filter(|_| all > evidence)
+        most.map(|(_, own)| own).filter(|_| all > evidence + LIKELIER)
     }
 }
 

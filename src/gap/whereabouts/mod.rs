@@ -98,9 +98,9 @@ impl Problem {
 /// Junctions whose evidence differs by less cannot be told apart.
 const TOLD_APART: f64 = 10.0;
 
-/// Evidence of what explains the gap no better than the likeliest force, and can be told apart from it, is more than this.
+/// The evidence of the likeliest force; 0 where none is likelier than none.
 pub(super) fn likeliest(found: &[Whereabouts]) -> f64 {
-    TOLD_APART + found.first().map_or(0.0, |best| best.evidence.max(0.0))
+    found.first().map_or(0.0, |best| best.evidence.max(0.0))
 }
 
 /// The junctions that explain the gap best and cannot be told apart, none where no force is likelier than none; `found` has the most
