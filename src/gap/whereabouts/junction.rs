@@ -34,8 +34,11 @@ const OF_LARGEST: f64 = 0.2;
 const LEAST_HELD: f64 = 0.7;
 /// or be as likely as a force of time. One that closes less of the gap that it is fitted to is none.
 const LEAST_EXPLAINED: f64 = 0.5;
-/// A curve that leaves more than so many times the squares when it is wired in has led astray,
+/// A curve that leaves more than so many times the squares when it is wired in is sought again from its outline;
+const MUCH: f64 = 1.1;
+/// one that leaves more than so many times then, and closes less than this share of the gap, has led astray,
 const ASTRAY: f64 = 2.0;
+const IN_STEP: f64 = 0.8;
 /// and is found through such shares of the records, one after the other.
 const GROWN: [f64; 6] = [0.1, 0.2, 0.35, 0.55, 0.75, 1.0];
 /// So many curves are wired in at most.
@@ -327,10 +330,15 @@ impl At<'_> {
         Ok(None)
     }
 
-    /// Whether a curve leaves far more when it is wired in than over the force of time.
-    fn is_astray(&self, closed: &Found, open: &Curve) -> bool {
+    /// Whether a curve leaves so many times more when it is wired in than over the force of time.
+    fn leaves_more(&self, closed: &Found, open: &Curve, times: f64) -> bool {
         let leaves_something = closed.chi2 > NOTHING_LEFT * self.stage.train.count as f64;
-        leaves_something && 1.0 - self.explains(closed.chi2) > ASTRAY * (1.0 - open.explains)
+        leaves_something && 1.0 - self.explains(closed.chi2) > times * (1.0 - open.explains)
+    }
+
+    /// Whether a curve has fallen out of step where it is wired in: it leaves far more than over the force of time, and much.
+    fn is_astray(&self, closed: &Found, open: &Curve) -> bool {
+        self.leaves_more(closed, open, ASTRAY) && self.explains(closed.chi2) < IN_STEP
     }
 
     /// A curve as a function generator, which sees what it does itself.
@@ -348,15 +356,19 @@ impl At<'_> {
         let sought = self.sought(task, Table::Curve(&element), &shape);
         let from_open = Start { point: beside, sought: Some(&numbers) };
         let from_none = Start { point: &self.stage.train.point, sought: None };
+        let mut found = sought.find(&from_open);
         let nearer = |a: &Found, b: &Found| a.chi2.total_cmp(&b.chi2);
-        let places = outline(&knots);
-        let outlined = Sought { shape: &shape.coarser(&places), ..sought }.find(&from_none);
-        let outlined = outlined.map(|own| (between(&places, &own.sought, knots.len()), own.point));
-        let from_outline = outlined.as_ref().map(|(numbers, point)| Start { point, sought: Some(numbers) });
-        let starts = [from_open, from_none].into_iter().chain(from_outline);
-        let found = starts.filter_map(|start| sought.find(&start)).min_by(nearer);
-        let grown = found.as_ref().is_none_or(|own| self.is_astray(own, curve)).then(|| sought.grown(&GROWN));
-        let Some(found) = found.into_iter().chain(grown.flatten()).min_by(nearer) else { return Ok(None) };
+        if found.as_ref().is_none_or(|own| self.leaves_more(own, curve, MUCH)) {
+            let places = outline(&knots);
+            let outlined = Sought { shape: &shape.coarser(&places), ..sought }.find(&from_none);
+            let outlined = outlined.map(|own| (between(&places, &own.sought, knots.len()), own.point));
+            let start = outlined.as_ref().map(|(numbers, point)| Start { point, sought: Some(numbers) });
+            found = found.into_iter().chain(sought.find(&start.unwrap_or(from_none))).min_by(nearer);
+        }
+        if found.as_ref().is_none_or(|own| self.is_astray(own, curve)) {
+            found = found.into_iter().chain(sought.grown(&GROWN)).min_by(nearer);
+        }
+        let Some(found) = found else { return Ok(None) };
         let (patch, _) = wired(&found.sought)?;
         let version = self.version(patch);
         let test =
