@@ -320,8 +320,11 @@ pub fn asked(experiment: &Experiment, problem: &Problem, seed: u64) -> Value {
         };
         records.iter().map(record).collect()
     };
-    let drives = experiment.drives.iter().map(|feed| {
-        let told = json!({"column": feed.column, "unit": feed.unit.text(), "hold": feed.hold.as_str()});
+    let drives = experiment.drives.iter().zip(&problem.drive_sigma).map(|(feed, sigma)| {
+        let (unit, is_told) = (feed.unit.text(), feed.sigma.is_some());
+        let told = json!({
+            "column": feed.column, "unit": unit, "hold": feed.hold.as_str(), "sigma": sigma, "sigma_told": is_told,
+        });
         (feed.drive.clone(), told)
     });
     let outputs = experiment.outputs.iter().zip(&problem.sigma).map(|(output, sigma)| {

@@ -5,14 +5,21 @@ use super::sheet::{escaped_text, number, table};
 use crate::gap::examine::columns;
 use crate::gap::experiment::Experiment;
 use crate::html::escaped;
+use crate::patch::Unit;
 
 pub(super) fn section(told: &Told<'_>) -> String {
     let Told { experiment, problem, .. } = told;
-    let outputs = experiment.outputs.iter().zip(&problem.sigma).map(|(output, sigma)| {
-        let whence = if output.sigma.is_some() { "told" } else { "estimated without a model" };
-        let cells =
-            [&output.signal, &output.column, &number(*sigma), output.unit.text(), whence].map(escaped_text);
-        (false, cells.to_vec())
+    let row = |name, column, sigma: f64, unit: &Unit, is_told| {
+        let whence = if is_told { "told" } else { "estimated without a model" };
+        (false, [name, column, &number(sigma), unit.text(), whence].map(escaped_text).to_vec())
+    };
+    let drives = experiment.drives.iter().zip(&problem.drive_sigma);
+    let drives = drives.filter(|(feed, sigma)| feed.sigma.is_some() || **sigma > 0.0);
+    let drives =
+        drives.map(|(feed, sigma)| row(&feed.drive, &feed.column, *sigma, &feed.unit, feed.sigma.is_some()));
+    let outputs = experiment.outputs.iter().zip(&problem.sigma);
+    let outputs = outputs.map(|(output, sigma)| {
+        row(&output.signal, &output.column, *sigma, &output.unit, output.sigma.is_some())
     });
     let records = [("training", &experiment.train), ("held back", &experiment.test)];
     let records =
@@ -24,7 +31,7 @@ pub(super) fn section(told: &Told<'_>) -> String {
     });
     format!(
         "<section>\n<h2>What was measured</h2>\n{}{}{}</section>\n",
-        table(&["signal", "column", "noise", "unit", "whence"], outputs),
+        table(&["signal or drive", "column", "noise", "unit", "whence"], outputs.chain(drives)),
         table(&["file", "for", "from ... to", "samples", ""], records),
         looked_at(experiment)
     )
