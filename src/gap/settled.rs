@@ -54,26 +54,36 @@ impl Problem {
         Ok(come)
     }
 
-    /// Drops effects of which the data do not tell that they are there: none lies within the intervals of their parameters, and it
-    /// is not they that leave nothing but noise. What stays has its intervals.
+    /// Drops effects of which the data do not tell that they are there; what stays has its intervals.
     pub(super) fn shed(&self, base: &Stage, mut come: Come, with: &Means<'_>) -> Result<Come, ModelError> {
         let first = base.version.fit.len();
-        loop {
-            come.stage = self.with_intervals(come.stage, first, with.threads)?;
-            let mut least: Option<(usize, Vec<Candidate>, Stage)> = None;
-            for place in 0..come.effects.len() {
-                if come.effects.len() == 1 || !may_be_none(&come.effects[place], &come.stage) {
-                    continue;
-                }
-                let Some((kept, without)) = self.all_but(base, &come, place, with.library)? else { continue };
-                let is_less = least.as_ref().is_none_or(|own| without.train.chi2 < own.2.train.chi2);
-                if is_less && (come.stage.leaves_structure() || !without.leaves_structure()) {
-                    least = Some((place, kept, without));
-                }
-            }
-            let Some((place, kept, without)) = least else { return Ok(come) };
+        come.stage = self.with_intervals(come.stage, first, with.threads)?;
+        while let Some((place, kept, without)) = self.needless(base, &come, with.library)? {
             come.less(place, kept, without);
+            come.stage = self.with_intervals(come.stage, first, with.threads)?;
         }
+        Ok(come)
+    }
+
+    /// Of several effects the place of the one that is missed least, and the others without it, among those whose strength may be
+    /// none and with which more than noise is left, or without which no more than noise is.
+    fn needless(
+        &self,
+        base: &Stage,
+        come: &Come,
+        library: &Library,
+    ) -> Result<Option<(usize, Vec<Candidate>, Stage)>, ModelError> {
+        let mut least: Option<(usize, Vec<Candidate>, Stage)> = None;
+        let places = if come.effects.len() > 1 { 0..come.effects.len() } else { 0..0 };
+        for place in places.filter(|place| may_be_none(&come.effects[*place], &come.stage)) {
+            let Some((kept, without)) = self.all_but(base, come, place, library)? else { continue };
+            let is_vouched_for = !come.stage.leaves_structure() && without.leaves_structure();
+            let is_less = least.as_ref().is_none_or(|own| without.train.chi2 < own.2.train.chi2);
+            if is_less && !is_vouched_for {
+                least = Some((place, kept, without));
+            }
+        }
+        Ok(least)
     }
 
     /// The patch with all effects but the one in a place, and these; nothing where one of them does not fit any more.

@@ -47,26 +47,29 @@ pub(crate) fn positive(
     key: &'static str,
     findings: &mut Findings,
 ) -> Option<Placed<f64>> {
-    let node = fields.take(key)?;
-    let value = number(node, key, findings)?;
-    if value <= 0.0 {
-        let message = format!("\"{key}\" must be above 0, not {value}");
-        findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
-        return None;
-    }
-    Some(Placed { value, span: node.span })
+    number_that(fields, key, findings, |value| value > 0.0, "above 0")
 }
 
-/// A number that is not below 0.
+/// A number that is not below 0 under a key.
 pub(crate) fn not_negative(
     fields: &mut Fields<'_>,
     key: &'static str,
     findings: &mut Findings,
 ) -> Option<Placed<f64>> {
+    number_that(fields, key, findings, |value| value >= 0.0, "0 or above")
+}
+
+fn number_that(
+    fields: &mut Fields<'_>,
+    key: &'static str,
+    findings: &mut Findings,
+    is_so: impl Fn(f64) -> bool,
+    told: &str,
+) -> Option<Placed<f64>> {
     let node = fields.take(key)?;
     let value = number(node, key, findings)?;
-    if value < 0.0 {
-        let message = format!("\"{key}\" must not be below 0, as {value} is");
+    if !is_so(value) {
+        let message = format!("\"{key}\" must be {told}, not {value}");
         findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
         return None;
     }
