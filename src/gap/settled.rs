@@ -66,7 +66,7 @@ impl Problem {
     }
 
     /// Of several effects the place of the one that is missed least, and the others without it, among those whose strength may be
-    /// none and with which more than noise is left, or without which no more than noise is.
+    /// none, unless only with it noise is left, or it closes much of what the others leave.
     fn needless(
         &self,
         base: &Stage,
@@ -77,7 +77,8 @@ impl Problem {
         let places = if come.effects.len() > 1 { 0..come.effects.len() } else { 0..0 };
         for place in places.filter(|place| may_be_none(&come.effects[*place], &come.stage)) {
             let Some((kept, without)) = self.all_but(base, come, place, library)? else { continue };
-            let is_vouched_for = !come.stage.leaves_structure() && without.leaves_structure();
+            let leaves_noise = !come.stage.leaves_structure() && without.leaves_structure();
+            let is_vouched_for = leaves_noise || come.stage.closed(&without) > LEAST_CLOSED;
             let is_less = least.as_ref().is_none_or(|own| without.train.chi2 < own.2.train.chi2);
             if is_less && !is_vouched_for {
                 least = Some((place, kept, without));
