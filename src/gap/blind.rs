@@ -86,7 +86,7 @@ pub(super) fn mean(values: &[f64]) -> f64 {
 }
 
 /// What is left of an output in squares over the noise, sample by sample.
-pub(super) fn squares(residuals: &[Vec<Vec<f64>>], output: usize) -> Vec<f64> {
+fn squares(residuals: &[Vec<Vec<f64>>], output: usize) -> Vec<f64> {
     let tracks = residuals.iter().flat_map(|record| record[output].iter());
     tracks.filter(|own| !own.is_nan()).map(|own| own * own).collect()
 }

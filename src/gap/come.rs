@@ -56,8 +56,8 @@ impl Come {
 
     /// Whether another has the same effects at the same places.
     pub fn has_the_effects_of(&self, other: &Come) -> bool {
-        let pairs = self.effects.iter().zip(&other.effects);
-        self.effects.len() == other.effects.len() && pairs.into_iter().all(|(one, other)| one.is_same(other))
+        let mut pairs = self.effects.iter().zip(&other.effects);
+        self.effects.len() == other.effects.len() && pairs.all(|(one, other)| one.is_same(other))
     }
 
     /// The same without the effect in a place, with the others as they stand in this stage without it.

@@ -207,7 +207,6 @@ impl Column<'_> {
 
 /// Which share of some samples is so; missing ones are not.
 fn share<'r>(samples: impl Iterator<Item = &'r f64>, is_so: impl Fn(&f64) -> bool) -> f64 {
-    let (so, all) =
-        samples.fold((0.0, 0.0), |(so, all), sample| (so + f64::from(u8::from(is_so(sample))), all + 1.0));
-    so / f64::max(all, 1.0)
+    let (so, others): (Vec<&f64>, Vec<&f64>) = samples.partition(|sample| is_so(sample));
+    so.len() as f64 / (so.len() + others.len()).max(1) as f64
 }

@@ -81,7 +81,7 @@ pub struct Outcome {
     pub correlations: Vec<Correlation>,
     /// Where and when something is missing in the patch as it was; of no junction where nothing is.
     pub whereabouts: Vec<Whereabouts>,
-    /// The weakest effects that the first round would have found.
+    /// The weakest effects that the first round would have found, where nothing was taken.
     pub limits: Vec<Limit>,
     /// Where the patch as it was comes to beyond its ranges, if it stands at their ends and leaves a gap.
     pub beyond: Option<Beyond>,
@@ -219,32 +219,12 @@ impl Problem {
     ) -> Result<Outcome, ModelError> {
         let Come { mut rounds, effects, stage: last } = self.shed(&base, come, with)?;
         let left = last.gap() / base.gap();
-        let limits = rounds.first().map(|round| self.limits(round, with.threads)).transpose()?;
-        let limits = limits.unwrap_or_default();
-        let not_white = self.not_white(&last, with.threads)?;
-        let leaves_noise = !last.leaves_structure() || not_white.is_some();
-        let blind = match not_white {
-            Some(own) => Some(Blind::NotWhite(own)),
-            None => self.is_blind(&base, &rounds, &limits)?,
-        };
-        let mut verdict = verdict(&rounds, left, leaves_noise, blind.is_some());
-        let mut whereabouts = Vec::new();
-        if !matches!(verdict, Verdict::NothingMissing | Verdict::CannotJudge) {
-            progress(Progress::of(Part::Where));
-            whereabouts = self.whereabouts(&base, with.threads)?;
-        }
-        let slow = match effects.is_empty() && verdict == Verdict::UnknownEffect {
-            true => self.slow_noise(&base, likeliest(&whereabouts)),
-            false => None,
-        };
-        let blind = slow.map(Blind::Slow).or(blind);
-        if matches!(blind, Some(Blind::Slow(_))) {
-            (verdict, whereabouts) = (Verdict::CannotJudge, Vec::new());
-        }
-        let is_doubtful = verdict.has_names() && !leaves_noise && leaves_much(&last, left);
-        if is_doubtful && !is_sure(&base, &last, &rounds) && is_a_curve(&whereabouts, left) {
-            verdict = Verdict::UnknownEffect;
-        }
+        // What could be there unseen is asked where nothing was found.
+        let nothing_in = rounds.first().filter(|_| effects.is_empty());
+        let limits =
+            nothing_in.map(|round| self.limits(round, with.threads)).transpose()?.unwrap_or_default();
+        let (mut verdict, blind, whereabouts) =
+            self.concluded(&base, &last, &rounds, &limits, with, progress)?;
         let beyond = self.beyond(&base, &last)?;
         let blind =
             beyond.as_ref().filter(|own| own.leaves_noise()).map(|own| Blind::Beyond(own.told())).or(blind);
@@ -275,6 +255,41 @@ impl Problem {
             blind: blind.filter(|_| verdict == Verdict::CannotJudge),
             separating,
         })
+    }
+
+    /// What rounds come to, why the data cannot judge where they cannot, and where something is missing where it is.
+    fn concluded(
+        &self,
+        base: &Stage,
+        last: &Stage,
+        rounds: &[Round],
+        limits: &[Limit],
+        with: &Means<'_>,
+        progress: &mut impl FnMut(Progress),
+    ) -> Result<(Verdict, Option<Blind>, Vec<Whereabouts>), ModelError> {
+        let left = last.gap() / base.gap();
+        let not_white = self.not_white(last, with.threads)?;
+        let leaves_noise = !last.leaves_structure() || not_white.is_some();
+        let blind = match not_white {
+            Some(own) => Some(Blind::NotWhite(own)),
+            None => self.is_blind(base, rounds, limits)?,
+        };
+        let verdict = verdict(rounds, left, leaves_noise, blind.is_some());
+        if matches!(verdict, Verdict::NothingMissing | Verdict::CannotJudge) {
+            return Ok((verdict, blind, Vec::new()));
+        }
+        progress(Progress::of(Part::Where));
+        let whereabouts = self.whereabouts(base, with.threads)?;
+        let slow = match verdict == Verdict::UnknownEffect && rounds.iter().all(|round| !round.taken) {
+            true => self.slow_noise(base, likeliest(&whereabouts)),
+            false => None,
+        };
+        if let Some(slow) = slow {
+            return Ok((Verdict::CannotJudge, Some(Blind::Slow(slow)), Vec::new()));
+        }
+        let is_doubtful = verdict.has_names() && !leaves_noise && leaves_much(last, left);
+        let is_other = is_doubtful && !is_sure(base, last, rounds) && is_a_curve(&whereabouts, left);
+        Ok((if is_other { Verdict::UnknownEffect } else { verdict }, blind, whereabouts))
     }
 
     /// What comes of data that no effect is sought in.

@@ -137,11 +137,9 @@ impl Problem {
 /// Whether an effect may have no strength at all, as far as the data tell: each of its parameters that counts as its first does, as
 /// both amplitudes of a sine and a cosine.
 fn may_be_none(effect: &Candidate, stage: &Stage) -> bool {
-    let Some(none) = effect.none else { return false };
-    let mut unit = None;
-    let mut strengths =
-        effect.graft.parameters.iter().filter(|own| *unit.get_or_insert(&own.unit) == &own.unit);
-    strengths.all(|own| {
+    let parameters = &effect.graft.parameters;
+    let Some((none, first)) = effect.none.zip(parameters.first()) else { return false };
+    parameters.iter().filter(|own| own.unit == first.unit).all(|own| {
         let place = stage.version.fit.iter().position(|name| *name == own.name);
         let known = place.and_then(|place| stage.known.get(place));
         known.is_some_and(|known| known.interval[0] <= none && none <= known.interval[1])

@@ -241,18 +241,14 @@ impl Problem {
             Some(seconds) => records.iter().flat_map(|record| record.pieces_of(seconds)).collect(),
             None => records.to_vec(),
         };
-        let sigma = experiment.outputs.iter().enumerate().map(|(place, output)| {
-            output.sigma.unwrap_or_else(|| {
-                let estimates = experiment.train.iter().map(|record| noise(record, place));
-                estimates.fold(0.0, f64::max)
-            })
-        });
-        let drive_sigma = experiment.drives.iter().enumerate().map(|(place, feed)| {
-            feed.sigma.unwrap_or_else(|| {
-                let estimates = experiment.train.iter().map(|record| drive_noise(record, place));
-                estimates.fold(0.0, f64::max)
-            })
-        });
+        let largest = |estimate: fn(&Record, usize) -> f64, place: usize| {
+            experiment.train.iter().map(|record| estimate(record, place)).fold(0.0, f64::max)
+        };
+        let sigma = experiment.outputs.iter().enumerate();
+        let sigma = sigma.map(|(place, output)| output.sigma.unwrap_or_else(|| largest(noise, place)));
+        let drive_sigma = experiment.drives.iter().enumerate();
+        let drive_sigma =
+            drive_sigma.map(|(place, feed)| feed.sigma.unwrap_or_else(|| largest(drive_noise, place)));
         let mut problem = Problem {
             drives: experiment.drives.clone(),
             drive_sigma: drive_sigma.collect(),
@@ -267,6 +263,12 @@ impl Problem {
         };
         problem.steps = problem.steps(&experiment.patch, &experiment.fit)?;
         Ok(problem)
+    }
+
+    /// An output of a record as a patch makes it that leaves this of the record.
+    pub(super) fn made(&self, record: &Record, left: &[Vec<f64>], output: usize) -> Vec<f64> {
+        let sigma = self.sigma[output];
+        record.outputs[output].iter().zip(&left[output]).map(|(datum, left)| datum - sigma * left).collect()
     }
 
     pub(super) fn model(

@@ -3,11 +3,11 @@
 
 use std::ops::RangeInclusive;
 
-use super::blind::{mean, squares};
+use super::blind::{mean, over_sigma};
 use super::dice::normal;
 use super::experiment::Feed;
 use super::fit::{Fitted, Task};
-use super::model::{Course, ModelError};
+use super::model::ModelError;
 use super::record::Record;
 use super::stage::{Problem, Stage};
 use crate::instruments::number;
@@ -95,13 +95,13 @@ impl Problem {
         if !stage.leaves_structure() {
             return Ok(None);
         }
-        let left = |output| mean(&squares(&stage.train.residuals, output));
+        let left = |output| over_sigma(&stage.train, output).powi(2);
         let brought = self.brought_by_drives(stage, threads)?;
         let is_noise = |output: usize| left(output) <= 1.0 + BROUGHT * brought[output];
         let most = (0..brought.len()).max_by(|a, b| left(*a).total_cmp(&left(*b)));
         let own = most.filter(|_| (0..brought.len()).all(is_noise)).map(|output| NotWhite {
             output: self.outputs[output].clone(),
-            left: left(output).sqrt(),
+            left: over_sigma(&stage.train, output),
             brought: brought[output].sqrt(),
             drives: self.noisy_drives().map(|feed| feed.drive.clone()).collect(),
         });
@@ -123,7 +123,8 @@ impl Problem {
         let drawn = pool::each(&seeds, threads, |seed| self.brought_by(stage, *seed), |_| ());
         let drawn = drawn.into_iter().filter_map(Result::transpose).collect::<Result<Vec<Fitted>, _>>()?;
         let brought = |output| {
-            mean(&drawn.iter().map(|own| mean(&squares(&own.residuals, output))).collect::<Vec<f64>>())
+            let each = drawn.iter().map(|own| over_sigma(own, output).powi(2));
+            mean(&each.collect::<Vec<f64>>())
         };
         Ok((0..self.outputs.len()).map(brought).collect())
     }
@@ -146,22 +147,10 @@ impl Problem {
                 let noise = normal((seed << 40) + (place << 8) + number, drive.len());
                 drive.iter().zip(noise).map(|(value, noise)| value + sigma * noise).collect()
             };
-            Record {
-                drives: drives.map(noisy).collect(),
-                outputs: self.without(&record.outputs, left),
-                ..record.clone()
-            }
+            let outputs = (0..self.outputs.len()).map(|output| self.made(record, left, output)).collect();
+            Record { drives: drives.map(noisy).collect(), outputs, ..record.clone() }
         };
         records.map(with).collect()
-    }
-
-    /// Data without what is left of them.
-    fn without(&self, data: &[Vec<f64>], left: &[Vec<f64>]) -> Course {
-        let outputs = data.iter().zip(left).zip(&self.sigma);
-        let less = |((data, left), sigma): ((&Vec<f64>, &Vec<f64>), &f64)| {
-            data.iter().zip(left).map(|(datum, left)| datum - sigma * left).collect()
-        };
-        outputs.map(less).collect()
     }
 
     /// Slow noise of an output that explains what is left better than a force of this evidence.

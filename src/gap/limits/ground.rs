@@ -61,18 +61,12 @@ impl<'a> Ground<'a> {
             effect: trial.candidate.effect.clone(),
             junction: trial.candidate.junction.clone(),
             reads: trial.candidate.reads.clone(),
-            in_full: self.in_full(),
             parameter: brought[0].of.clone(),
             unit: brought[0].unit.clone(),
             value: least.as_ref().map(|least| least.0),
             share: least.as_ref().map_or(f64::INFINITY, |least| least.1),
             beside: beside.map(|(own, value)| (own.of.clone(), *value, own.unit.clone())).collect(),
         })
-    }
-
-    /// Whether a change is fitted in full: not beside a patch that lacks what was found, where that takes long and tells little.
-    pub(super) fn in_full(&self) -> bool {
-        !self.round.taken
     }
 
     /// The variance of the noise, with how long it remembers.

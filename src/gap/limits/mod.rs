@@ -29,8 +29,6 @@ pub struct Limit {
     pub junction: String,
     /// What it reads beside it, where there is a choice.
     pub reads: Vec<String>,
-    /// Whether what parameters follow of it was found by a full fit, not to first order only.
-    pub in_full: bool,
     /// The parameter that says how strong it is.
     pub parameter: String,
     /// Its unit.
@@ -115,7 +113,7 @@ impl Limit {
     /// The same as a JSON document.
     pub fn document(&self) -> Value {
         let mut document = json!({
-            "name": self.effect, "junction": self.junction, "reads": self.reads, "in_full": self.in_full,
+            "name": self.effect, "junction": self.junction, "reads": self.reads,
             "parameter": self.parameter, "seen": self.is_seen(),
         });
         if let Some(value) = self.value {

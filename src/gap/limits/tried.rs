@@ -85,7 +85,7 @@ impl Tried<'_> {
     /// The margin of what a strength changes: to first order, and in full where it would show so.
     fn margin(&self, changes: &[Change; 2]) -> f64 {
         let margin = self.ground.margin(&self.ground.left(changes), self.need);
-        if margin < 1.0 || !self.ground.in_full() {
+        if margin < 1.0 {
             return margin;
         }
         let in_full = self.ground.left_in_full(changes);

@@ -20,18 +20,14 @@ impl Told<'_> {
 
     /// An output as it was measured, and as stages make it.
     fn courses(&self, output: usize, stages: &[(&str, &Stage)], held: bool) -> Picture {
-        let (name, sigma) = (&self.problem.outputs[output], self.problem.sigma[output]);
+        let name = &self.problem.outputs[output];
         let records = self.records(held);
         let measured: Vec<&[f64]> = records.iter().map(|record| record.outputs[output].as_slice()).collect();
         let mut channels = vec![Channel::line("measured", along(records, &measured))];
         for (what, stage) in stages {
-            let made: Vec<Vec<f64>> = measured
-                .iter()
-                .zip(&fitted(stage, held).residuals)
-                .map(|(data, left)| {
-                    data.iter().zip(&left[output]).map(|(datum, left)| datum - left * sigma).collect()
-                })
-                .collect();
+            let each = records.iter().zip(&fitted(stage, held).residuals);
+            let made: Vec<Vec<f64>> =
+                each.map(|(record, left)| self.problem.made(record, left, output)).collect();
             channels.push(Channel::line(*what, along(records, &made)));
         }
         let unit = self.experiment.outputs[output].unit.text();
