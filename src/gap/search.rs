@@ -121,6 +121,8 @@ const MOST_BETTERED: usize = 3;
 const GROWN: usize = 6;
 /// So many trials are gone through with, those that a quick look finds best.
 const TRIED_FULLY: usize = 12;
+/// or so many, and what stood there, where an effect is looked at again beside others.
+const TRIED_AGAIN: usize = 6;
 /// Trials that leave less than this times what the best leaves are looked after where they do not hold for the test.
 const NEAR: f64 = 1.5;
 /// How many effects are looked for at most.
@@ -362,6 +364,8 @@ impl Problem {
         let mut tried: Vec<Option<(Candidate, Stage)>> = tried.into_iter().map(Result::ok).collect();
         let mut harder = |most: usize, effort: Effort, part: Part| {
             let mut order = best_of(&tried, most);
+            let stood = all.iter().position(|own| found.is_some_and(|found| found.is(own)));
+            order.extend(stood.filter(|place| !order.contains(place) && tried[*place].is_some()));
             // Where there is no hope to come to what the best has come to, no more is needed.
             let first = order.first().copied();
             let best = first.and_then(|place| tried[place].as_ref());
@@ -388,7 +392,8 @@ impl Problem {
             }
             order.iter().flat_map(|place| &tried[*place]).all(|(_, stage)| stage.is_far())
         };
-        let is_far = harder(TRIED_FULLY, Effort::FULL, Part::Full);
+        let most = if found.is_some() { TRIED_AGAIN } else { TRIED_FULLY };
+        let is_far = harder(most, Effort::FULL, Part::Full);
         if is_far && !self.is_cut {
             harder(GROWN, Effort::GROWING, Part::Growing);
         }

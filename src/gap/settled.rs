@@ -66,7 +66,7 @@ impl Problem {
     }
 
     /// Of several effects the place of the one that is missed least, and the others without it, among those whose strength may be
-    /// none, unless only with it noise is left, or it closes much of what the others leave.
+    /// none, unless only with it noise is left, or it alone closes much of what the others leave.
     fn needless(
         &self,
         base: &Stage,
@@ -78,7 +78,8 @@ impl Problem {
         for place in places.filter(|place| may_be_none(&come.effects[*place], &come.stage)) {
             let Some((kept, without)) = self.all_but(base, come, place, library)? else { continue };
             let leaves_noise = !come.stage.leaves_structure() && without.leaves_structure();
-            let is_vouched_for = leaves_noise || come.stage.closed(&without) > LEAST_CLOSED;
+            let closes_much = come.stage.closed(&without) > LEAST_CLOSED && come.rounds[place].tied == 1;
+            let is_vouched_for = leaves_noise || closes_much;
             let is_less = least.as_ref().is_none_or(|own| without.train.chi2 < own.2.train.chi2);
             if is_less && !is_vouched_for {
                 least = Some((place, kept, without));
@@ -157,9 +158,14 @@ impl<'a> Found<'a> {
         Found { effect, values: stage.brought(effect).map(|(_, value, _)| value).collect() }
     }
 
+    /// Whether this is it.
+    pub fn is(&self, attached: &Attached<'_>) -> bool {
+        self.effect.is(attached)
+    }
+
     /// Its values where an effect is the same.
     pub fn values_of(&self, attached: &Attached<'_>) -> Option<&[f64]> {
-        self.effect.is(attached).then_some(&*self.values)
+        self.is(attached).then_some(&*self.values)
     }
 }
 
