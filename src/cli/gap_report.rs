@@ -3,7 +3,7 @@
 use super::table::Table;
 use patchcord::gap::Experiment;
 use patchcord::gap::limits::{Limit, best_places};
-use patchcord::gap::round::Round;
+use patchcord::gap::round::{Round, Trial};
 use patchcord::gap::search::{Outcome, Verdict};
 use patchcord::gap::stage::Problem;
 use patchcord::gap::whereabouts::{self, Whereabouts};
@@ -27,7 +27,7 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
         text += &limits(&outcome.limits);
     }
     for (number, round) in outcome.rounds.iter().enumerate() {
-        text += &format!("\n{}\n\n{}", heading(number + 1, round, outcome), trials(round).text());
+        text += &format!("\n{}\n\n{}", heading(number + 1, round, outcome), trials(round));
         text.extend(round.left_out.iter().map(|own| format!("{}\n", own.sentence())));
     }
     text.extend(outcome.places.nowhere_told().map(|own| format!("\n{own}\n")));
@@ -92,24 +92,22 @@ fn heading(place: usize, round: &Round, outcome: &Outcome) -> String {
     format!("round {place}: {}. {}", round.tried_told(), outcome.round_told(round))
 }
 
-/// The best trials, every effect once at every place.
-fn trials(round: &Round) -> Table {
-    let mut table = Table::new(["effect", "at", "score", "train", "test"]);
-    let mut told: Vec<(&str, &str)> = Vec::new();
+/// The best trials, every effect once at every place, and how many more there are.
+fn trials(round: &Round) -> String {
+    let mut each: Vec<&Trial> = Vec::new();
     for trial in &round.trials {
-        let own = (trial.candidate.effect.as_str(), trial.candidate.junction.as_str());
-        if told.contains(&own) || told.len() == TOLD {
-            continue;
+        if each.iter().all(|own| own.named() != trial.named()) {
+            each.push(trial);
         }
-        told.push(own);
-        let (train, test) = (&trial.stage.train, &trial.stage.test);
-        table.row([
-            own.0.to_owned(),
-            own.1.to_owned(),
-            number(trial.score),
-            number(train.over_noise()),
-            number(test.over_noise()),
-        ]);
     }
-    table
+    let mut table = Table::new(["effect", "at", "score", "train", "test"]);
+    for trial in each.iter().take(TOLD) {
+        let (effect, at) = (trial.candidate.effect.clone(), trial.candidate.junction.clone());
+        let [train, test] = [&trial.stage.train, &trial.stage.test].map(|fitted| number(fitted.over_noise()));
+        table.row([effect, at, number(trial.score), train, test]);
+    }
+    match each.len().saturating_sub(TOLD) {
+        0 => table.text(),
+        more => format!("{}and {more} more behind these\n", table.text()),
+    }
 }

@@ -181,12 +181,15 @@ impl Outcome {
         experiment.outputs.iter().enumerate().flat_map(of).collect()
     }
 
-    /// What a round came to, in words, and which effects that stood beside it were dropped later.
+    /// What a round came to, in words, which effects that stood beside it were dropped later, and why what it took has no name.
     pub fn round_told(&self, round: &Round) -> String {
         let is_kept = |own: &str| self.effects.iter().any(|effect| effect.named() == own);
         let dropped = round.beside.iter().filter(|own| !is_kept(own));
         let dropped: String = dropped.map(|own| format!(" Later {own} was dropped.")).collect();
-        round.sentence() + &dropped
+        let is_nameless = round.taken && !self.verdict.has_names();
+        let nameless =
+            if is_nameless { " It is not named: what is left in the end is too much." } else { "" };
+        round.sentence() + &dropped + nameless
     }
 
     /// What a fitted parameter belongs to: the effect that brought it and where that acts, or the patch.

@@ -176,7 +176,13 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     assert_eq!((&report["verdict"], &report["effects"][0]["name"]), (&"named".into(), &"saturation".into()));
     assert_eq!(report["patch"], Value::from(augmented.display().to_string()));
     let page = std::fs::read_to_string(out_folder.join("report.html")).unwrap();
-    let rivals = report["rivals"].as_array().unwrap().iter().filter(|rival| rival["step"] == 1).count();
+    let rivals: Vec<&Value> =
+        report["rivals"].as_array().unwrap().iter().filter(|rival| rival["step"] == 1).collect();
+    let places: std::collections::HashSet<_> =
+        rivals.iter().map(|rival| (rival["name"].as_str(), rival["junction"].as_str())).collect();
+    let untold = format!("\nand {} more behind these\n", places.len() - 8);
+    assert!(text.contains(&untold), "{untold}{text}");
+    let rivals = rivals.len();
     // Every effect that was tried stands on the page, and pictures do; and what was not, and what to do about it.
     assert!(page.contains(untried));
     assert_eq!(report["left_out"].as_array().unwrap().len(), 2);

@@ -177,6 +177,9 @@ fn two_effects_are_named_at_their_places() {
     let wanted = truth["effects"][0]["parameters"]["g"]["value"].as_f64().unwrap();
     assert!((leak["parameters"]["g"]["value"].as_f64().unwrap() / wanted - 1.0).abs() < 0.05, "{leak}");
     assert!(!found.last.leaves_structure());
+    // The same effects, were too much left for a name.
+    let is_nameless = |of: &Outcome| of.round_told(&of.rounds[0]).contains("It is taken. It is not named: ");
+    assert!(!is_nameless(&found) && is_nameless(&Outcome { verdict: Verdict::UnknownEffect, ..found }));
 }
 
 #[test]
