@@ -105,9 +105,19 @@ impl<'a> Bringing<'a> {
         Ok(made)
     }
 
-    /// Tells of outputs that the data feed: they follow these whatever the patch does.
+    /// Tells of outputs that the data feed, as they follow these whatever the patch does, and of columns that stand for two things.
     fn check_twice(&mut self) {
         let Document { drives, outputs, .. } = self.document;
+        let wires: Vec<&Wire> = self.document.wires().map(|(wire, _)| wire).collect();
+        let shared = wires.iter().enumerate().filter_map(|(place, wire)| {
+            let is_other = |own: &&&Wire| own.name.value != wire.name.value;
+            let first =
+                wires[..place].iter().filter(is_other).find(|own| own.column.value == wire.column.value)?;
+            let (column, first, name) = (&wire.column, &first.name.value, &wire.name.value);
+            let message = format!("column {} stands for {first} and for {name}", column.value);
+            Some(Diagnostic::at(Code::SharedColumn, column.span, message))
+        });
+        self.findings.extend(shared);
         let is_fed =
             |output: &&OutputWire| drives.iter().any(|own| own.wire.name.value == output.wire.name.value);
         let found = outputs.iter().filter(is_fed).map(|output| {

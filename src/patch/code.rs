@@ -145,6 +145,8 @@ codes! {
         "write the range that is meant: what lies beyond the data is left out";
     BeyondScale "beyond-scale" Warning "A few data for which 100 V of their scale are not enough."
         "let a volt of the scale stand for more";
+    SharedColumn "shared-column" Warning "A column that stands for two drives or outputs."
+        "name the column of each";
     UnfedDrives "unfed-drives" Warning "An experiment of which no column feeds a drive of the patch."
         "name the column of each under \"drives\", if what drove the thing was measured";
 }
