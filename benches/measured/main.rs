@@ -13,7 +13,6 @@ use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
 use patchcord::gap::search::{Means, Outcome};
 use patchcord::gap::stage::{Problem, Stage};
-use patchcord::instruments::number;
 use patchcord::output;
 
 const FOLDER: &str = "patches/measured";
@@ -84,9 +83,7 @@ fn rejected(found: &Outcome, told: impl Fn(&Stage) -> String) -> String {
 /// What was fitted in the end.
 fn values(found: &Outcome) -> String {
     let stage = found.told();
-    let all = stage.version.fit.iter().zip(&stage.train.point.knobs);
-    let unit = |name: &str| stage.version.patch.parameters.get(name).map_or("1", |own| own.unit.text());
-    let all = all.map(|(name, value)| format!("{name} = {} {}", number(*value), unit(name)));
+    let all = (0..stage.version.fit.len()).map(|place| stage.value_told(place));
     all.collect::<Vec<_>>().join(", ")
 }
 

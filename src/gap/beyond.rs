@@ -92,11 +92,7 @@ impl Problem {
         let patch = base.version.patch.edited(base.version.patch.file(), &widened)?;
         let version = Version { patch, ..base.version.clone() };
         let Some(stage) = self.again(base, version, base.train.point.clone())? else { return Ok(None) };
-        let is_beyond = |(place, range): (usize, &Option<(f64, f64)>)| {
-            let value = stage.train.point.knobs[place];
-            range.is_some_and(|(low, high)| !(low..=high).contains(&value)).then_some(place)
-        };
-        let places: Vec<usize> = was.iter().enumerate().filter_map(is_beyond).collect();
+        let places: Vec<usize> = stage.beyond_of(&was).collect();
         let behind = advantage(&stage.train, &last.train).and(advantage(&stage.test, &last.test));
         let is_rival = behind.ratio() < APART;
         Ok((!places.is_empty()).then_some(Beyond { stage, places, is_rival }))

@@ -1,8 +1,11 @@
 //! How far a search has come: its rounds, what they took, and the patch with that.
 
 use super::candidate::Candidate;
-use super::round::Round;
+use super::round::{Round, Trial};
 use super::stage::Stage;
+
+/// Two effects are sought at once only where so much is left, in sigmas rms: of many pairs one follows what little is left by chance.
+const HOPED_FROM: f64 = 1.0;
 
 /// How far a search has come.
 #[derive(Clone)]
@@ -25,8 +28,24 @@ impl Come {
 
     /// What came of a promise: what was there before, unless more effects hold together.
     pub fn or(self, before: Come) -> Come {
-        let all_hold = self.rounds.iter().take(self.effects.len()).all(|round| round.taken);
-        if self.effects.len() > before.effects.len() && all_hold { self } else { before }
+        if self.effects.len() > before.effects.len() && self.all_hold() { self } else { before }
+    }
+
+    /// Whether all its effects were taken, each beside the others.
+    pub fn all_hold(&self) -> bool {
+        self.rounds.iter().take(self.effects.len()).all(|round| round.taken)
+    }
+
+    /// Where the only round took nothing and more than noise is left: as if each of the trials that it may have hidden had been taken.
+    pub fn hopes(&self) -> Vec<Come> {
+        let [round] = &self.rounds[..] else { return Vec::new() };
+        let begun = |place: usize| {
+            let Trial { candidate, stage, .. } = round.trials[place].clone();
+            Come { rounds: vec![round.clone()], effects: vec![candidate], stage }
+        };
+        let is_open =
+            self.effects.is_empty() && self.stage.leaves_structure() && self.stage.gap() > HOPED_FROM;
+        if is_open { round.hopes().into_iter().map(begun).collect() } else { Vec::new() }
     }
 
     /// Whether to go on with a round: it is one more, and its best is taken, or may be beside what is still missing.

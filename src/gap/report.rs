@@ -20,6 +20,7 @@ use super::separate::Separating;
 use super::stage::{Problem, Stage};
 use super::whereabouts::{Whereabouts, nearest};
 use crate::instruments::number;
+use crate::patch::behind;
 
 impl Stage {
     /// The unit of what is fitted at a place.
@@ -31,7 +32,7 @@ impl Stage {
     /// What is fitted at a place, and its value, in words.
     pub fn value_told(&self, place: usize) -> String {
         let value = number(self.train.point.knobs[place]);
-        format!("{} = {value} {}", self.version.fit[place], self.unit(place))
+        format!("{} = {value}{}", self.version.fit[place], behind(self.unit(place)))
     }
 
     /// The standard error of what is fitted at a place, in words.
@@ -80,7 +81,7 @@ impl Outcome {
     fn at_ends(&self) -> Vec<String> {
         let told = |stage: &Stage, place: usize| {
             let (name, value) = (&stage.version.fit[place], number(stage.train.point.knobs[place]));
-            format!("{name} at the end of its range, {value} {}", stage.unit(place))
+            format!("{name} at the end of its range, {value}{}", behind(stage.unit(place)))
         };
         let is_missing = self.verdict.has_names() || self.verdict == Verdict::UnknownEffect;
         let beyond = self.beyond.iter().flat_map(|own| &own.places).copied().collect::<Vec<_>>();

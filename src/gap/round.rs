@@ -16,8 +16,8 @@ pub struct Trial {
     /// The patch with it, fitted.
     pub stage: Stage,
     /// By how much it is better than the patch without it: (chi2 without - chi2 with) / (s2 m) - k ln(n / m). Here n is how many
-    /// data there are and k how many numbers more are fitted (Schwarz); what the best trial leaves is s2, in squares over the noise,
-    /// and remembers m samples.
+    /// data there are and k how many parameters more are fitted (Schwarz); what the best trial leaves is s2, in squares over the
+    /// noise, and remembers m samples. Initial voltages do not count: what one does dies away, and more data tell no more of it.
     pub score: f64,
     /// How the best trial stands above it.
     pub behind: Advantage,
@@ -81,6 +81,8 @@ const BESIDE: f64 = 2.0;
 /// An effect is gone on from although it is not confirmed if it is better on what is held back by so many standard errors, and
 /// more is missing: beside that it may be.
 const PROMISING: f64 = 1.0;
+/// So many effects are gone on from where none is taken alone.
+const MOST_HOPES: usize = 3;
 /// An effect stands out where every other leaves so many times what it leaves, in squares.
 const STANDS_OUT: f64 = 3.0;
 
@@ -130,6 +132,18 @@ impl Round {
         let best = again.is_gone_on_from().then(|| again.trials[0].clone())?;
         *self = Round { left_out: mem::take(&mut self.left_out), ..again };
         Some(best)
+    }
+
+    /// The places of the trials that close most, one of an effect, that may belong to what is missing beside something else; not
+    /// that of one which was gone on from.
+    pub(super) fn hopes(&self) -> Vec<usize> {
+        let names: Vec<&str> = self.trials.iter().map(|trial| trial.candidate.effect.as_str()).collect();
+        let is_hope = |place: &usize| {
+            let trial = &self.trials[*place];
+            let closes = trial.score > self.needed && trial.stage.closed(&self.before) > LEAST_CLOSED;
+            closes && trial.stage.leaves_structure() && !names[..*place].contains(&names[*place])
+        };
+        (usize::from(self.promising)..names.len()).filter(is_hope).take(MOST_HOPES).collect()
     }
 
     /// Whether the search goes on with the best.

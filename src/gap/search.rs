@@ -170,6 +170,7 @@ impl Problem {
             None => self.settled(&base, come, true, with, progress)?,
             Some(before) => self.settled(&base, come, false, with, progress)?.or(before),
         };
+        let come = self.together(&base, come, with, progress)?;
         self.judged(base, come, with, progress).map(Some)
     }
 
@@ -209,6 +210,28 @@ impl Problem {
             }
         }
         Ok((base, come, before_promise))
+    }
+
+    /// Where no effect is taken alone, each of those that close most is gone on from as if it had been: of two the one may hide the
+    /// other. The first that holds together with what is found beside it, and leaves but noise, is it.
+    fn together(
+        &self,
+        base: &Stage,
+        come: Come,
+        with: &Means<'_>,
+        progress: &mut impl FnMut(Progress),
+    ) -> Result<Come, ModelError> {
+        for mut pair in come.hopes() {
+            let round = self.round(&pair.stage, &pair.effects, None, with, progress)?;
+            if !pair.goes_on_with(round) {
+                continue;
+            }
+            let pair = self.settled(base, pair, false, with, progress)?;
+            if pair.effects.len() > 1 && pair.all_hold() && !pair.stage.leaves_structure() {
+                return Ok(pair);
+            }
+        }
+        Ok(come)
     }
 
     /// What was found out by all that was tried.

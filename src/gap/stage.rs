@@ -128,11 +128,27 @@ impl Stage {
 
     /// The places of what is fitted best at an end of its range.
     pub(super) fn at_end(&self) -> impl Iterator<Item = usize> + '_ {
-        let fitted = self.version.ranges().zip(&self.train.point.knobs).enumerate();
-        fitted.filter_map(|(place, (range, value))| {
+        self.within(self.version.ranges(), |[below, above]| below.abs().min(above.abs()) <= AT_END)
+    }
+
+    /// The places of what lies beyond these ranges.
+    pub(super) fn beyond_of<'s>(
+        &'s self,
+        ranges: &'s [Option<(f64, f64)>],
+    ) -> impl Iterator<Item = usize> + 's {
+        self.within(ranges.iter().copied(), |[below, above]| below.min(above) < -AT_END)
+    }
+
+    /// The places of what lies so far inside the two ends of its range, in shares of that.
+    fn within<'s>(
+        &'s self,
+        ranges: impl Iterator<Item = Option<(f64, f64)>> + 's,
+        is_so: impl Fn([f64; 2]) -> bool + 's,
+    ) -> impl Iterator<Item = usize> + 's {
+        let fitted = ranges.zip(&self.train.point.knobs).enumerate();
+        fitted.filter_map(move |(place, (range, value))| {
             let (low, high) = range?;
-            let is_at = |end: f64| (value - end).abs() <= AT_END * (high - low);
-            (is_at(low) || is_at(high)).then_some(place)
+            is_so([value - low, high - value].map(|inside| inside / (high - low))).then_some(place)
         })
     }
 
@@ -523,8 +539,8 @@ impl Problem {
             ends[place] = data.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, own| widened(ends, own));
         }
         let interval = self.train.iter().map(|record| record.interval).fold(f64::INFINITY, f64::min);
-        let length =
-            self.train.iter().map(|record| record.interval * record.len() as f64).fold(0.0, f64::max);
+        let end = |record: &Record| record.since + record.interval * record.len() as f64;
+        let length = self.train.iter().map(end).fold(0.0, f64::max);
         let left = self.train.iter().zip(&stage.train.residuals);
         let spectrum = left
             .flat_map(|(record, tracks)| {
@@ -600,6 +616,7 @@ pub struct Peaks {
     /// Least and largest value.
     ends: Vec<[f64; 2]>,
     interval: f64,
+    /// From where a file begins to where the longest record ends, in seconds: what is cut into pieces is as long as it was.
     length: f64,
     /// The frequencies of which what is left is full, in Hz.
     pub spectrum: Vec<f64>,

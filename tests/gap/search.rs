@@ -1,6 +1,7 @@
 //! What the search says of a few of the experiments that benches/hidden makes: the truth lies beside them.
 
 use std::collections::BTreeSet;
+use std::fmt::Write;
 use std::path::Path;
 
 use patchcord::circuit::Circuit;
@@ -9,7 +10,7 @@ use patchcord::gap::candidate::Candidate;
 use patchcord::gap::effect::Library;
 use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::stage::Problem;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::library;
 
@@ -180,6 +181,60 @@ fn two_effects_are_named_at_their_places() {
     // The same effects, were too much left for a name.
     let is_nameless = |of: &Outcome| of.round_told(&of.rounds[0]).contains("It is taken. It is not named: ");
     assert!(!is_nameless(&found) && is_nameless(&Outcome { verdict: Verdict::UnknownEffect, ..found }));
+}
+
+#[test]
+fn two_effects_are_named_of_which_one_hides_the_other() {
+    let (_, _, found, truth) = searched("masked", 2);
+    assert_eq!(found.verdict, Verdict::Named);
+    let names = |of: &mut dyn Iterator<Item = String>| of.collect::<BTreeSet<String>>();
+    let hidden = truth["effects"].as_array().unwrap();
+    let hidden = names(&mut hidden.iter().map(|own| own["name"].as_str().unwrap().to_owned()));
+    assert_eq!(names(&mut found.effects.iter().map(|own| own.effect.clone())), hidden);
+}
+
+/// A mass on which a force acts, of which nearly half is added after 2.5 s: positions at 250 Hz over 6.4 s, worked out in steps a
+/// tenth as long, to a tenth of a millimetre.
+fn loaded() -> String {
+    let force = |t: f64| 40.0 * (8.2 * t).sin() + 20.0 * (4.4 * t).sin();
+    let step = 4e-4;
+    let mut rows = "t,F,x\n".to_owned();
+    let (mut x, mut v) = (0.0, 0.0);
+    for count in 0..16_000_u32 {
+        let t = f64::from(count) * step;
+        if count % 10 == 0 {
+            writeln!(rows, "{t:.3},{:.9},{x:.4}", force(t)).unwrap();
+        }
+        let mass = if t < 2.5 { 20.0 } else { 29.0 };
+        let pull = |v: f64, t: f64| (force(t) - 40.0 * v) / mass;
+        let middle = v + step / 2.0 * pull(v, t);
+        x += step * middle;
+        v += step * pull(middle, t + step / 2.0);
+    }
+    rows
+}
+
+#[test]
+fn a_load_taken_up_in_training_is_still_there_in_the_test() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("loaded.csv"), loaded()).unwrap();
+    let patch = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gap/systems/axis.json");
+    let told = json!({
+        "patch": patch, "data": "loaded.csv", "drives": {"F": "F"}, "outputs": {"x": "x"},
+        "train": [0, 4.8], "test": [4.8, 6.396],
+    });
+    let path = folder.path().join("experiment.json");
+    std::fs::write(&path, told.to_string()).unwrap();
+    let experiment = read(&path);
+    let problem = Problem::of(&experiment).unwrap();
+    let found = outcome(&experiment, &problem, 2);
+    assert_eq!(found.verdict, Verdict::Named);
+    let document = found.document(&problem);
+    let effect = &document["effects"][0];
+    assert_eq!(effect["name"], "mass-change");
+    let value = |name: &str| effect["parameters"][name]["value"].as_f64().unwrap();
+    assert!((value("r") - 0.45).abs() < 0.01 && (value("t1") - 2.5).abs() < 0.02, "{effect}");
+    assert!(found.last.test.over_noise() < 1.2, "{}", found.last.test.over_noise());
 }
 
 #[test]

@@ -219,7 +219,8 @@ impl At<'_> {
         for (record, force) in forces.iter().enumerate() {
             let choice = Choice { knobs: point.knobs.clone(), initial: point.initial[record].clone() };
             let course = model.run_tabled(record, Table::Drive(drive), &[(choice, force.clone())]);
-            let course = course.into_iter().flatten().flatten();
+            // It has run for the outputs; of what does not run now no curve is drawn.
+            let Some(course) = course.into_iter().flatten().next() else { return Ok(Vec::new()) };
             tracks.iter_mut().zip(course).for_each(|(own, track)| own.push(track));
         }
         let variable = |(reading, tracks): (&&Reading, Vec<Vec<f64>>)| Variable {

@@ -84,12 +84,17 @@ impl Problem {
     /// When the patch cannot be run beside the records.
     pub fn whereabouts(&self, stage: &Stage, threads: usize) -> Result<Vec<Whereabouts>, ModelError> {
         let sites = self.sites(stage)?;
-        // Where a force cannot be wired in, none is told of.
         let at = |junction: &Junction| {
-            junction::At { problem: self, stage, sites: &sites, junction }.whereabouts().ok().flatten()
+            let at = junction::At { problem: self, stage, sites: &sites, junction };
+            match at.whereabouts() {
+                // Where a force cannot be wired in, none is told of.
+                Err(ModelError::Edit(_) | ModelError::Patch(_)) => Ok(None),
+                told => told,
+            }
         };
         let found = pool::each(&sites.junctions, threads, at, |_| ());
-        let mut found: Vec<Whereabouts> = found.into_iter().flatten().collect();
+        let found = found.into_iter().filter_map(Result::transpose);
+        let mut found = found.collect::<Result<Vec<Whereabouts>, ModelError>>()?;
         found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         Ok(found)
     }
