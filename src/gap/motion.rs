@@ -82,18 +82,19 @@ pub(super) fn check(made: &Experiment, document: &Document, findings: &mut Findi
 /// So many wild samples are told with their times.
 const TOLD: usize = 3;
 
-/// That samples of an output were let slip.
+/// That samples of a column were let slip.
 fn wild_samples(made: &Experiment, document: &Document) -> Vec<Diagnostic> {
-    let told = document.outputs.iter().enumerate().filter_map(|(place, output)| {
+    let drives = made.drives.len();
+    let told = document.wires().enumerate().filter_map(|(place, (wire, _))| {
         let of = |record: &Record| {
-            let samples = &record.outputs[place];
+            let samples = record.drives.get(place).unwrap_or_else(|| &record.outputs[place - drives]);
             let noise = examine(samples, record.interval).noise.map_or(0.0, |noise| noise.sigma);
             let (name, begin, interval) = (record.name.clone(), record.begin, record.interval);
             let found = wild(samples, noise).into_iter();
             found.map(move |sample| format!("{} s in {name}", told(begin + sample as f64 * interval)))
         };
         let all: Vec<String> = made.train.iter().chain(&made.test).flat_map(of).collect();
-        let column = &output.wire.column;
+        let column = &wire.column;
         let more = if all.len() > TOLD { format!(", {} in all", all.len()) } else { String::new() };
         let times = all[..all.len().min(TOLD)].join(", ");
         let message =

@@ -139,7 +139,7 @@ codes! {
         "keep the two apart: what was fitted to proves nothing";
     StillPart "still-part" Warning "A column that does not move in the part to train or to test on."
         "take a part in which it does";
-    WildSample "wild-sample" Warning "Samples of an output far off those before and behind."
+    WildSample "wild-sample" Warning "Samples of a column far off those before and behind."
         "look at them; leave the rows of those out that the recorder let slip: they count as missing then";
     BeyondData "beyond-data" Warning "A range or a piece that goes on where the data have ended."
         "write the range that is meant: what lies beyond the data is left out";
