@@ -37,15 +37,16 @@ impl Come {
     }
 
     /// Where the only round took nothing and more than noise is left: as if each of the trials that it may have hidden had been taken.
-    pub fn hopes(&self) -> Vec<Come> {
-        let [round] = &self.rounds[..] else { return Vec::new() };
-        let begun = |place: usize| {
-            let Trial { candidate, stage, .. } = round.trials[place].clone();
-            Come { rounds: vec![round.clone()], effects: vec![candidate], stage }
-        };
+    pub fn hopes(&self) -> impl Iterator<Item = Come> + '_ {
         let is_open =
             self.effects.is_empty() && self.stage.leaves_structure() && self.stage.gap() > HOPED_FROM;
-        if is_open { round.hopes().into_iter().map(begun).collect() } else { Vec::new() }
+        let only = if is_open && self.rounds.len() == 1 { self.rounds.first() } else { None };
+        only.into_iter().flat_map(|round| {
+            round.hopes().into_iter().map(|place| {
+                let Trial { candidate, stage, .. } = round.trials[place].clone();
+                Come { rounds: vec![round.clone()], effects: vec![candidate], stage }
+            })
+        })
     }
 
     /// Whether to go on with a round: it is one more, and its best is taken, or may be beside what is still missing.
