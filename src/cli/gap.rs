@@ -5,6 +5,7 @@ use std::thread;
 
 use super::failure::{Failure, tell_report};
 use super::gap_files::Folder;
+use super::numbers::seed;
 use super::progress::Bar;
 use super::{effects, gap_check, gap_report, say, say_json};
 use clap::Args;
@@ -34,7 +35,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DIR")]
     effects: Option<PathBuf>,
     /// Draw the points from which the patch is fitted by this number
-    #[arg(long, value_name = "NUMBER", default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..), allow_negative_numbers = true)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// How many effects are tried at the same time; as many as there are cores where it is not given
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..), allow_negative_numbers = true)]

@@ -280,3 +280,13 @@ fn where_nothing_is_missing_what_would_have_shown_is_a_table() {
     let once: std::collections::HashSet<_> = names.iter().collect();
     assert!(names.len() > 15 && once.len() == names.len(), "{names:?}");
 }
+
+#[test]
+fn a_seed_that_is_none_is_told_what_is_wanted() {
+    for given in ["-1", "abc", "1.5", "18446744073709551616"] {
+        let told = patchcord(&["gap", "tests/gap/slide.json", "--seed", given]);
+        assert_eq!((code(&told), out(&told).as_str()), (2, ""));
+        let wanted = "a whole number from 0 to 18446744073709551615 is wanted";
+        assert!(errors(&told).contains(wanted), "{}", errors(&told));
+    }
+}
