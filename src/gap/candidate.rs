@@ -8,7 +8,7 @@ use crate::patch::{EditError, Patch};
 /// No sample takes more steps than this for the sake of an effect's time.
 const MOST_STEPS: u32 = 4;
 /// From so many points a fit may begin,
-const MOST_STARTS: usize = 16;
+const MOST_STARTS: usize = 24;
 /// and from so many without any effect.
 const MOST_SHAPES: usize = 12;
 /// A parameter that begins at so many values or more has many valleys.

@@ -32,7 +32,7 @@ struct Glance {
 struct Heat {
     /// So often the derivatives are worked out for each.
     rounds: usize,
-    /// So many go on.
+    /// So many go on, beside those ahead of them that have ended.
     ahead: usize,
     /// The share of every record that is fitted, from its beginning.
     until: f64,
@@ -132,7 +132,13 @@ impl Effort {
             };
             ahead = ahead.into_iter().filter_map(goes_on).collect();
             ahead.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
-            ahead.truncate(heat.ahead);
+            // What has ended costs no more, and keeps nobody back: where an effect is not felt, as a stop that is not met, nothing moves.
+            let mut places = heat.ahead;
+            ahead.retain(|own| {
+                let stays = places > 0;
+                places -= usize::from(stays && !own.has_ended);
+                stays
+            });
             seen = heat.until;
         }
         ahead.into_iter().map(|own| own.point).collect()

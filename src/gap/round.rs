@@ -105,6 +105,11 @@ impl Trial {
         self.stage.version.fit.len()
     }
 
+    /// Whether it leaves but noise, on the data held back, too.
+    fn foretells(&self) -> bool {
+        !self.stage.leaves_structure() && self.stage.test.reduced() < NOISE
+    }
+
     /// Whether it needs more numbers than an alias, above which it hardly stands, and leaves structure: there more numbers follow
     /// what neither explains.
     fn is_but(&self, other: &Trial, above: f64) -> bool {
@@ -208,11 +213,13 @@ impl Round {
         // What needs fewer numbers and explains all the data no worse is to be preferred.
         let simpler = (1..self.trials.len()).find(|place| self.is_simpler(&self.trials[*place]));
         self.put_first(simpler);
+        // Of what the scores cannot tell apart, what foretells the data held back goes first.
+        let foretells = (1..self.trials.len()).find(|place| self.is_foretold(&self.trials[*place]));
+        self.put_first(foretells);
         let Some(best) = self.trials.first() else { return };
         self.confirmed = advantage(&self.before.test, &best.stage.test);
         let shows = best.score > self.needed && self.closes_enough();
-        let leaves_noise = !best.stage.leaves_structure() && best.stage.test.reduced() < NOISE;
-        let gains = leaves_noise && self.confirmed.sum > self.needed * best.stage.memory;
+        let gains = best.foretells() && self.confirmed.sum > self.needed * best.stage.memory;
         self.taken = shows && (self.confirmed.ratio() > CONFIRMED || gains);
         let may_be = self.confirmed.ratio() > PROMISING && self.closed() > LEAST_CLOSED;
         self.promising = shows && !self.taken && may_be && best.stage.leaves_structure();
@@ -243,6 +250,13 @@ impl Round {
         let has_fewer = trial.numbers() < best.numbers() && best.stage.leaves_structure();
         let is_no_worse = trial.behind.sum <= 0.0 || best.is_but(trial, trial.behind.ratio());
         has_fewer && trial.score > self.needed && is_no_worse
+    }
+
+    /// Whether a trial with the best's score leaves but noise on the data held back, and the best does not.
+    fn is_foretold(&self, trial: &Trial) -> bool {
+        let best = &self.trials[0];
+        let is_near = trial.score > self.needed && best.score - trial.score < APART_BY;
+        is_near && trial.foretells() && !best.foretells()
     }
 
     /// Whether all other effects leave far more than the best.
