@@ -147,8 +147,13 @@ fn near_the_end(
     towards: impl Fn([f64; 2]) -> [f64; 2],
 ) -> Option<Vec<f64>> {
     let named = largest.iter().find(|own| own.name == parameter.reach.text())?;
-    let [end, other] = towards(named.ends);
-    Some(FROM_THE_END.iter().map(|share| end + share * (other - end)).collect())
+    let from = |ends: [f64; 2]| {
+        let [end, other] = towards(ends);
+        FROM_THE_END.map(|share| end + share * (other - end))
+    };
+    let measured = from(named.extent.ends);
+    let met = from(named.extent.met).into_iter().filter(|own| !measured.contains(own));
+    Some(measured.into_iter().chain(met).collect())
 }
 
 /// So many of several points at most, from all over them.

@@ -119,7 +119,7 @@ impl Effort {
         let begun = |point: Point| Reached { point, chi2: f64::INFINITY, has_ended: false };
         let first = self.heats.first().and_then(|heat| Beginnings::of(task, heat.until));
         let looked_at = first.as_ref().map_or(*task, |own| own.task(task));
-        let nearest = looked_at.nearest(&starts.others, self.starts).cloned();
+        let nearest = looked_at.nearest(&starts.others, &starts.sure, self.starts).cloned();
         let mut ahead: Vec<Reached> = sure.chain(nearest).map(begun).collect();
         let mut seen = 1.0;
         for heat in self.heats {

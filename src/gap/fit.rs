@@ -196,10 +196,17 @@ impl Task<'_> {
         rounds >= FIRST_ROUNDS && chi2 - gain * left as f64 > self.wanted
     }
 
-    /// So many of several points, those with the least sums of squares first.
-    pub fn nearest<'p>(&self, points: &'p [Point], count: usize) -> impl Iterator<Item = &'p Point> {
-        let looks = self.look(points);
-        let mut order: Vec<usize> = (0..points.len()).filter(|index| looks[*index].is_finite()).collect();
+    /// So many of several points, those with the least sums of squares first; none that comes to the same as one of others: what
+    /// is not felt there has no slope.
+    pub fn nearest<'p>(
+        &self,
+        points: &'p [Point],
+        others: &[Point],
+        count: usize,
+    ) -> impl Iterator<Item = &'p Point> {
+        let (looks, known) = (self.look(points), self.look(others));
+        let is_new = |index: &usize| looks[*index].is_finite() && !known.contains(&looks[*index]);
+        let mut order: Vec<usize> = (0..points.len()).filter(is_new).collect();
         order.sort_by(|a, b| looks[*a].total_cmp(&looks[*b]));
         order.into_iter().take(count).map(|index| &points[index])
     }

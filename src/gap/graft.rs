@@ -4,7 +4,7 @@ use indexmap::{IndexMap, IndexSet};
 use serde_json::{Map, Value, json};
 
 use super::effect::{Attachment, Effect, Form, Gives, Reads};
-use super::reach::Largest;
+use super::reach::{Extent, Largest};
 use super::site::{Junction, Reading, Sites, Total};
 use crate::elements::{self, Family};
 use crate::machines::REFERENCE;
@@ -145,18 +145,19 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// The largest of what reaches may name here: of every role whose ends are told, of `sample` and of `record`, in seconds.
+    /// The largest of what reaches may name here: of every role whose span is told, of `sample` and of `record`, in seconds.
     pub fn largest(
         &self,
-        ends: impl Fn(Role<'_>) -> Option<[f64; 2]>,
+        span: impl Fn(Role<'_>) -> Option<Extent>,
         sample: f64,
         record: f64,
     ) -> Vec<Largest> {
         let roles = self.roles().into_iter();
         let roles =
-            roles.filter_map(|(name, role)| Some(Largest::of(name, role.unit().clone(), ends(role)?)));
+            roles.filter_map(|(name, role)| Some(Largest::of(name, role.unit().clone(), span(role)?)));
         let times = [("sample", sample), ("record", record)].into_iter();
-        let seconds = |(name, value)| Some(Largest::of(name, Unit::parse("s").ok()?, [0.0, value]));
+        let seconds =
+            |(name, value)| Some(Largest::of(name, Unit::parse("s").ok()?, Extent::of([0.0, value])));
         roles.chain(times.filter_map(seconds)).collect()
     }
 }

@@ -7,6 +7,7 @@ use super::candidate::Candidate;
 use super::effect::Effect;
 use super::graft::{Attached, Role};
 use super::model::ModelError;
+use super::reach::Extent;
 use super::site::Sites;
 use crate::circuit::Circuit;
 use crate::patch::tree::{self, Content, Node};
@@ -51,8 +52,8 @@ pub(super) fn check(file: &str, text: &str, effect: &Effect) -> Result<(), Box<R
 }
 
 fn wired(attached: &Attached<'_>, patch: &Patch) -> Result<(), ModelError> {
-    let ends = |role: Role<'_>| Some([-EXTENT, EXTENT].map(|volts| volts * role.per_volt()));
-    let largest = attached.place.largest(ends, SAMPLE, RECORD);
+    let extent = |role: Role<'_>| Some(Extent::of([-EXTENT, EXTENT]).times(role.per_volt()));
+    let largest = attached.place.largest(extent, SAMPLE, RECORD);
     let Some(candidate) = Candidate::new(attached, patch, &largest, &PEAKS)? else { return Ok(()) };
     let circuit = Circuit::new(&candidate.graft.patch, &[])?;
     Program::new(&circuit)?;

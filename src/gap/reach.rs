@@ -11,15 +11,42 @@ pub struct Largest {
     pub unit: Unit,
     /// Its largest value, without sign.
     pub value: f64,
+    /// How far it goes.
+    pub extent: Extent,
+}
+
+/// From where to where something goes.
+#[derive(Debug, Clone, Copy)]
+pub struct Extent {
     /// Its least and its largest value.
     pub ends: [f64; 2],
+    /// The part between them that the patch goes through: what acts beyond is not felt.
+    pub met: [f64; 2],
+}
+
+impl Extent {
+    /// All of which is met.
+    pub fn of(ends: [f64; 2]) -> Extent {
+        Extent { ends, met: ends }
+    }
+
+    /// What was measured, and the part of it that the patch goes through; all of it where they do not meet.
+    pub fn measured(ends: [f64; 2], through: [f64; 2]) -> Extent {
+        let met = [ends[0].max(through[0]), ends[1].min(through[1])];
+        if met[0] < met[1] { Extent { ends, met } } else { Extent::of(ends) }
+    }
+
+    /// In another unit.
+    pub fn times(self, factor: f64) -> Extent {
+        Extent { ends: self.ends.map(|end| factor * end), met: self.met.map(|end| factor * end) }
+    }
 }
 
 impl Largest {
-    /// A quantity between two values.
-    pub fn of(name: &'static str, unit: Unit, ends: [f64; 2]) -> Largest {
-        let value = ends[0].abs().max(ends[1].abs());
-        Largest { name, unit, value, ends }
+    /// A quantity that goes so far.
+    pub fn of(name: &'static str, unit: Unit, extent: Extent) -> Largest {
+        let value = extent.ends[0].abs().max(extent.ends[1].abs());
+        Largest { name, unit, value, extent }
     }
 }
 
@@ -38,7 +65,7 @@ pub const NAMES: [&str; 9] =
 /// What a formula of these names comes to where each of them is ten; nothing where it is no product of powers.
 pub fn of_tens(formula: &Formula) -> Option<f64> {
     let unit = Unit::parse("1");
-    let ten = |name| Some(Largest::of(name, unit.clone().ok()?, [0.0, 10.0]));
+    let ten = |name| Some(Largest::of(name, unit.clone().ok()?, Extent::of([0.0, 10.0])));
     reach(formula, &NAMES.into_iter().filter_map(ten).collect::<Vec<_>>()).map(|(value, _)| value)
 }
 

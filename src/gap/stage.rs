@@ -10,7 +10,7 @@ use super::fit::{Fitted, MANY_DAMPINGS, MOST_ROUNDS, ONE_DAMPING, Point, SETTLED
 use super::graft::{Attached, Brought, Place, Role};
 use super::intervals::Known;
 use super::model::{Choice, Course, Model, ModelError};
-use super::reach::Largest;
+use super::reach::{Extent, Largest};
 use super::record::Record;
 use super::score::{colour, memory};
 use super::starts::scattered;
@@ -374,7 +374,7 @@ impl Problem {
         let glanced = self.glanced(version, &places, starts, few)?;
         let mut led: Vec<Point> = glanced.iter().filter_map(|point| nearly.settled(point)).collect();
         match effort.is_thorough {
-            true => led.extend(all.nearest(&starts.others, 1).cloned()),
+            true => led.extend(all.nearest(&starts.others, &starts.sure, 1).cloned()),
             false => led.extend(starts.sure.first().cloned()),
         }
         led.extend(starts.found.clone());
@@ -532,11 +532,13 @@ impl Problem {
                 *ends = widened(*ends, track);
             }
         }
+        let mut extents: Vec<Extent> = ends.into_iter().map(Extent::of).collect();
         // What was measured is known without a model.
         for (output, name) in self.outputs.iter().enumerate() {
             let Some(place) = names.iter().position(|own| own == name) else { continue };
             let data = self.train.iter().map(|record| &record.outputs[output]);
-            ends[place] = data.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, own| widened(ends, own));
+            let measured = data.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, own| widened(ends, own));
+            extents[place] = Extent::measured(measured, extents[place].ends);
         }
         let interval = self.train.iter().map(|record| record.interval).fold(f64::INFINITY, f64::min);
         let end = |record: &Record| record.since + record.interval * record.len() as f64;
@@ -548,7 +550,7 @@ impl Problem {
             })
             .flatten()
             .collect();
-        Ok(Peaks { names, ends, interval, length, spectrum })
+        Ok(Peaks { names, extents, interval, length, spectrum })
     }
 
     /// Wires one more effect into a stage, and fits everything anew, as long as there is hope to come to what is wanted.
@@ -609,12 +611,11 @@ impl Problem {
     }
 }
 
-/// The least and the largest values of signals and drives, in their units.
+/// How far signals and drives go, in their units.
 #[derive(Debug, Clone)]
 pub struct Peaks {
     names: Vec<String>,
-    /// Least and largest value.
-    ends: Vec<[f64; 2]>,
+    extents: Vec<Extent>,
     interval: f64,
     /// From where a file begins to where the longest record ends, in seconds: what is cut into pieces is as long as it was.
     length: f64,
@@ -628,21 +629,19 @@ const BETTER: f64 = 0.99;
 const FREQUENCIES: usize = 3;
 
 impl Peaks {
-    fn of(&self, name: &str) -> Option<[f64; 2]> {
+    fn of(&self, name: &str) -> Option<Extent> {
         let place = self.names.iter().position(|own| own == name)?;
-        Some(self.ends[place])
+        Some(self.extents[place])
     }
 
     /// What the reaches of effects name at a place.
     pub fn at(&self, place: &Place<'_>) -> Vec<Largest> {
-        let ends = |role: Role<'_>| match role {
+        let span = |role: Role<'_>| match role {
             Role::Read(reading) => self.of(&reading.signal),
             // As fast as would cross its range in a twentieth of the record.
-            Role::Rate(junction) => {
-                self.of(&junction.own.signal).map(|own| own.map(|end| 20.0 * end / self.length))
-            }
+            Role::Rate(junction) => self.of(&junction.own.signal).map(|own| own.times(20.0 / self.length)),
         };
-        place.largest(ends, self.interval, self.length)
+        place.largest(span, self.interval, self.length)
     }
 }
 

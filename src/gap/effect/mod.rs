@@ -112,7 +112,7 @@ pub enum Start {
     Values(Vec<f64>),
     /// From the frequencies of which what is left is full.
     Spectrum,
-    /// From just below the highest value of what the reach names.
+    /// From just below the highest value of what the reach names, and of those to which the patch comes.
     Highest,
     /// From just above its lowest value, counted downward.
     Lowest,
