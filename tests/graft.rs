@@ -8,7 +8,7 @@ use patchcord::circuit::Circuit;
 use patchcord::gap::candidate::Candidate;
 use patchcord::gap::effect::{Effect, Library};
 use patchcord::gap::graft::{Attached, Role};
-use patchcord::gap::reach::Largest;
+use patchcord::gap::reach::{Extent, Largest};
 use patchcord::gap::site::{Reading, Sites};
 use patchcord::patch::Patch;
 use patchcord::program::Program;
@@ -66,8 +66,8 @@ fn sites(patch: &Patch) -> Sites {
 
 /// What is largest at a place, what 40 V stand for, and times.
 fn largest(attached: &Attached<'_>) -> Vec<Largest> {
-    let ends = |role: Role<'_>| Some([-40.0, 40.0].map(|volts| volts * role.per_volt()));
-    attached.place.largest(ends, 0.01, 3.0)
+    let extent = |role: Role<'_>| Some(Extent::of([-40.0, 40.0]).times(role.per_volt()));
+    attached.place.largest(extent, 0.01, 3.0)
 }
 
 fn candidate(attached: &Attached<'_>, patch: &Patch) -> Candidate {

@@ -145,16 +145,16 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// The largest of what reaches may name here: of every role whose span is told, of `sample` and of `record`, in seconds.
+    /// The largest of what reaches may name here: of every role whose extent is told, of `sample` and of `record`, in seconds.
     pub fn largest(
         &self,
-        span: impl Fn(Role<'_>) -> Option<Extent>,
+        extent: impl Fn(Role<'_>) -> Option<Extent>,
         sample: f64,
         record: f64,
     ) -> Vec<Largest> {
         let roles = self.roles().into_iter();
         let roles =
-            roles.filter_map(|(name, role)| Some(Largest::of(name, role.unit().clone(), span(role)?)));
+            roles.filter_map(|(name, role)| Some(Largest::of(name, role.unit().clone(), extent(role)?)));
         let times = [("sample", sample), ("record", record)].into_iter();
         let seconds =
             |(name, value)| Some(Largest::of(name, Unit::parse("s").ok()?, Extent::of([0.0, value])));

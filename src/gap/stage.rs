@@ -636,12 +636,12 @@ impl Peaks {
 
     /// What the reaches of effects name at a place.
     pub fn at(&self, place: &Place<'_>) -> Vec<Largest> {
-        let span = |role: Role<'_>| match role {
+        let extent = |role: Role<'_>| match role {
             Role::Read(reading) => self.of(&reading.signal),
             // As fast as would cross its range in a twentieth of the record.
             Role::Rate(junction) => self.of(&junction.own.signal).map(|own| own.times(20.0 / self.length)),
         };
-        place.largest(span, self.interval, self.length)
+        place.largest(extent, self.interval, self.length)
     }
 }
 

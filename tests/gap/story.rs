@@ -6,6 +6,7 @@ use patchcord::circuit::Circuit;
 use patchcord::gap::Experiment;
 use patchcord::gap::candidate::Candidate;
 use patchcord::gap::graft::Attached;
+use patchcord::gap::reach::Extent;
 use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::site::Sites;
 use patchcord::gap::stage::Problem;
@@ -107,7 +108,7 @@ fn augmented() -> Patch {
     let library = library::of(&["friction-memory"]);
     let all = Attached::all(library.get("friction-memory").unwrap(), &sites);
     let attached = all.iter().find(|attached| attached.reads() == ["spring_force"]).unwrap();
-    let largest = attached.place.largest(|role| Some([0.0, 10.0 * role.per_volt()]), 1e-3, 1.0);
+    let largest = attached.place.largest(|role| Some(Extent::of([0.0, 10.0 * role.per_volt()])), 1e-3, 1.0);
     Candidate::new(attached, &patch, &largest, &[]).unwrap().unwrap().graft.patch
 }
 
