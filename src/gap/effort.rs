@@ -132,7 +132,7 @@ impl Effort {
             };
             ahead = ahead.into_iter().filter_map(goes_on).collect();
             ahead.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
-            // What has ended costs no more, and keeps nobody back: where an effect is not felt, as a stop that is not met, nothing moves.
+            // What has ended keeps nobody back: where an effect is not felt, as a stop that is not met, nothing moves.
             let mut places = heat.ahead;
             ahead.retain(|own| {
                 let stays = places > 0;

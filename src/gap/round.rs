@@ -214,8 +214,8 @@ impl Round {
         let simpler = (1..self.trials.len()).find(|place| self.is_simpler(&self.trials[*place]));
         self.put_first(simpler);
         // Of what the scores cannot tell apart, what foretells the data held back goes first.
-        let foretells = (1..self.trials.len()).find(|place| self.is_foretold(&self.trials[*place]));
-        self.put_first(foretells);
+        let foretelling = (1..self.trials.len()).find(|place| self.foretells_more(&self.trials[*place]));
+        self.put_first(foretelling);
         let Some(best) = self.trials.first() else { return };
         self.confirmed = advantage(&self.before.test, &best.stage.test);
         let shows = best.score > self.needed && self.closes_enough();
@@ -253,7 +253,7 @@ impl Round {
     }
 
     /// Whether a trial with the best's score leaves but noise on the data held back, and the best does not.
-    fn is_foretold(&self, trial: &Trial) -> bool {
+    fn foretells_more(&self, trial: &Trial) -> bool {
         let best = &self.trials[0];
         let is_near = trial.score > self.needed && best.score - trial.score < APART_BY;
         is_near && trial.foretells() && !best.foretells()
@@ -361,6 +361,21 @@ mod tests {
         let of = |test: [f64; 2]| beside(&like.0.aliases[0], test, 100.0);
         assert_eq!(of([28.0, 5.0]), ("overflow".to_owned(), 1));
         assert_eq!(of([24.0, 5.0]), ("rich".to_owned(), 2));
+    }
+
+    #[test]
+    fn of_equal_scores_what_foretells_the_test_goes_before_what_does_not() {
+        let like = any();
+        let of = |train: f64, test: [f64; 2]| {
+            let mut best = trial(&like, "best", 3, 1.4, [0.2, 3.0]);
+            let mut rival = trial(&like, "rival", 3, train, test);
+            (best.1.colour, rival.1.colour) = (0.0, 0.0);
+            judged(&like, vec![best, rival]).0
+        };
+        assert_eq!(of(1.402, [1.5, 1.5]), "rival");
+        // Its score is behind, or the test is no noise to it, either.
+        assert_eq!(of(1.8, [1.5, 1.5]), "best");
+        assert_eq!(of(1.402, [1.6, 1.6]), "best");
     }
 
     #[test]
