@@ -11,6 +11,8 @@ use super::{effects, gap_check, gap_report, say, say_json};
 use clap::Args;
 use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
+use patchcord::gap::limits::Visible;
+use patchcord::gap::model::ModelError;
 use patchcord::gap::page::Told;
 use patchcord::gap::places::Places;
 use patchcord::gap::progress::{Part, Progress};
@@ -23,8 +25,9 @@ use serde_json::Value;
 pub(super) struct Arguments {
     /// Experiment file (JSON): a patch, what was measured, what may be fitted; docs/gap.md shows one
     experiment: PathBuf,
-    /// Only check the data (sampling, gaps, noise, steps of the recorder, how fast columns move) and tell where effects would be tried
-    #[arg(long, conflicts_with_all = ["out", "seed", "threads"])]
+    /// Only check the data (sampling, gaps, noise, steps of the recorder, how fast columns move), tell where effects would be tried,
+    /// and from which strength on these data could show them
+    #[arg(long, conflicts_with = "out")]
     check: bool,
     /// Write into this folder the report (report.html, report.json), the patch as fitted (fitted.json) and with what is missing in
     /// it (augmented.json); where that has no name, with its force as a curve instead (recovered.json); where the data cannot tell
@@ -55,9 +58,10 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
     let library = effects::known(arguments.effects.as_deref())?;
     if arguments.check {
         let places = Places::of(&experiment.patch, &experiment.drives, &library)?;
+        let visible = visible(arguments, &experiment, &library)?;
         return match arguments.json {
-            true => say_json(&gap_check::document(&experiment, &places)),
-            false => say(&gap_check::told(&experiment, &places)),
+            true => say_json(&gap_check::document(&experiment, &places, &visible)),
+            false => say(&gap_check::told(&experiment, &places, &visible)),
         };
     }
     let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, &experiment)).transpose()?;
@@ -99,23 +103,40 @@ fn tell(bar: &mut Bar, at: Progress) {
     }
 }
 
+fn means<'a>(arguments: &Arguments, library: &'a Library) -> Means<'a> {
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    Means { library, threads: arguments.threads.map_or(cores, usize::from), seed: arguments.seed }
+}
+
+fn failed(error: ModelError) -> Failure {
+    Failure::data(error.to_string())
+}
+
+fn not_run(experiment: &Experiment) -> Failure {
+    Failure::data(format!(
+        "{} cannot be run beside the data from any of the points tried: look at its scales and at the ranges of what is fitted, or let runs begin anew, by \"pieces\" in the experiment",
+        experiment.patch.file()
+    ))
+}
+
+fn visible(arguments: &Arguments, experiment: &Experiment, library: &Library) -> Result<Visible, Failure> {
+    let problem = Problem::of(experiment).map_err(failed)?;
+    let mut bar = Bar::new("effects");
+    bar.iter_mut().for_each(|bar| bar.busy("fitting the patch, to see what the data could show beside it"));
+    let found = problem.visible(&experiment.patch, &experiment.fit, &means(arguments, library));
+    found.map_err(failed)?.ok_or_else(|| not_run(experiment))
+}
+
 fn searched(
     arguments: &Arguments,
     experiment: &Experiment,
     library: &Library,
 ) -> Result<(Problem, Outcome), Failure> {
-    let cores = thread::available_parallelism().map_or(1, usize::from);
-    let with = Means { library, threads: arguments.threads.map_or(cores, usize::from), seed: arguments.seed };
-    let failed = |error: patchcord::gap::model::ModelError| Failure::data(error.to_string());
+    let with = means(arguments, library);
     let problem = Problem::of(experiment).map_err(failed)?;
     let mut bar = Bar::new("effects");
     let progress = |at: Progress| bar.iter_mut().for_each(|bar| tell(bar, at));
     let found = problem.search(&experiment.patch, &experiment.fit, &with, progress).map_err(failed)?;
-    let outcome = found.ok_or_else(|| {
-        Failure::data(format!(
-            "{} cannot be run beside the data from any of the points tried: look at its scales and at the ranges of what is fitted, or let runs begin anew, by \"pieces\" in the experiment",
-            experiment.patch.file()
-        ))
-    })?;
+    let outcome = found.ok_or_else(|| not_run(experiment))?;
     Ok((problem, outcome))
 }

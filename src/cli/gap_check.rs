@@ -4,10 +4,13 @@ use indexmap::IndexMap;
 use serde_json::{Value, json};
 
 use super::failure::plural;
+use super::gap_report::weakest;
 use super::table::Table;
+use patchcord::gap::limits::{Limit, Visible};
 use patchcord::gap::places::Places;
+use patchcord::gap::round::LeftOut;
 use patchcord::gap::{Column, Experiment, Noise, NoiseKind, Record, SHARES, columns};
-use patchcord::instruments::Display;
+use patchcord::instruments::{Display, number};
 
 /// What a record is for, and the record.
 fn records(experiment: &Experiment) -> impl Iterator<Item = (&'static str, &Record)> {
@@ -15,7 +18,7 @@ fn records(experiment: &Experiment) -> impl Iterator<Item = (&'static str, &Reco
     trained.chain(experiment.test.iter().map(|record| ("test", record)))
 }
 
-pub(super) fn told(experiment: &Experiment, places: &Places) -> String {
+pub(super) fn told(experiment: &Experiment, places: &Places, visible: &Visible) -> String {
     let mut text = format!("{}: {}\n", experiment.file, verdict(experiment.warnings.warnings()));
     if !experiment.title.is_empty() {
         text += &format!("{}\n", experiment.title);
@@ -31,7 +34,24 @@ pub(super) fn told(experiment: &Experiment, places: &Places) -> String {
             text += &format!("\n{notes}");
         }
     }
-    text + "\n" + &tried(places)
+    text + "\n" + &tried(places) + &shows(visible)
+}
+
+/// From which strength on the data could show effects.
+fn shows(visible: &Visible) -> String {
+    let Visible { leaves, limits, left_out } = visible;
+    let mut text: String = left_out.iter().map(|own| own.sentence() + "\n").collect();
+    text += &format!(
+        "\nwhat these data could show beside the patch as fitted, if no more than noise were left ({} times that is), every effect where it shows best\n\n{}",
+        number(*leaves),
+        weakest(limits, "weakest that would show")
+    );
+    let mut blind: Vec<String> = limits.iter().filter(|own| !own.is_seen()).map(Limit::named).collect();
+    blind.dedup();
+    if !blind.is_empty() {
+        text += &format!("\nNo strength in its range would show of {}.\n", blind.join(", "));
+    }
+    text
 }
 
 /// Which effects would be tried at which place.
@@ -147,7 +167,7 @@ fn noise_note(column: &str, noise: &Noise) -> Option<String> {
     Some(format!("{column}: {told}"))
 }
 
-pub(super) fn document(experiment: &Experiment, places: &Places) -> Value {
+pub(super) fn document(experiment: &Experiment, places: &Places, visible: &Visible) -> Value {
     let effects = places.effects.iter().map(|(name, at)| json!({"name": name, "junctions": at}));
     json!({
         "ok": true,
@@ -160,6 +180,9 @@ pub(super) fn document(experiment: &Experiment, places: &Places) -> Value {
         "effects": effects.collect::<Value>(),
         "nowhere": places.nowhere(),
         "nameless": places.nameless,
+        "leaves": visible.leaves,
+        "limits": visible.limits.iter().map(Limit::document).collect::<Value>(),
+        "left_out": visible.left_out.iter().map(LeftOut::document).collect::<Value>(),
     })
 }
 

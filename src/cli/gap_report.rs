@@ -24,7 +24,8 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
     text += &place(&outcome.whereabouts);
     let told = matches!(outcome.verdict, Verdict::NothingMissing | Verdict::CannotJudge);
     if told && !outcome.limits.is_empty() {
-        text += &limits(&outcome.limits);
+        let table = weakest(&outcome.limits, "weakest that would have shown");
+        text += &format!("\nwhat these data would have shown, every effect where it shows best\n\n{table}");
     }
     for (number, round) in outcome.rounds.iter().enumerate() {
         text += &format!("\n{}\n\n{}", heading(number + 1, round, outcome), trials(round));
@@ -77,15 +78,15 @@ fn goes_with(own: &Whereabouts) -> String {
     own.best_against().to_owned() + &share.unwrap_or_default()
 }
 
-/// The weakest of every effect that would have shown.
-fn limits(found: &[Limit]) -> String {
-    let mut table = Table::new(["effect", "at", "parameter", "weakest that would have shown", "with"]);
+/// The weakest of every effect that shows, in a column of this name.
+pub(super) fn weakest(found: &[Limit], heading: &str) -> String {
+    let mut table = Table::new(["effect", "at", "parameter", heading, "with"]);
     for limit in best_places(found) {
         let from = limit.told().unwrap_or_else(|| "not at all".to_owned());
         let (effect, at, parameter) = (limit.effect.clone(), limit.junction.clone(), limit.parameter.clone());
         table.row([effect, at, parameter, from, limit.beside()]);
     }
-    format!("\nwhat these data would have shown, every effect where it shows best\n\n{}", table.text())
+    table.text()
 }
 
 fn heading(place: usize, round: &Round, outcome: &Outcome) -> String {

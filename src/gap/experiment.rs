@@ -151,13 +151,21 @@ impl Experiment {
     }
 }
 
+/// What to do where data stand in place of an experiment.
+const DATA_ALONE: &str = "name data as \"data\" of an experiment, a JSON file that begins with {\"patch\": \"base.json\", \"data\": \"train.csv\", ...";
+
 fn document_of(text: &str, findings: &mut Findings) -> Option<Document> {
     if text.trim().is_empty() {
         let hint = "an experiment begins with {\"patch\": \"base.json\", \"data\": \"train.csv\", ...";
         findings.push(Diagnostic::at(Code::Syntax, Span::default(), "the document is empty").hint(hint));
         return None;
     }
-    let root = tree::parse(text).map_err(|finding| findings.push(finding)).ok()?;
+    let looks_like_data = !text.trim_start().starts_with(['{', '[']);
+    let told = |finding: Diagnostic| match looks_like_data {
+        true => finding.hint(DATA_ALONE),
+        false => finding,
+    };
+    let root = tree::parse(text).map_err(|finding| findings.push(told(finding))).ok()?;
     if let Some(finding) = DocumentKind::Experiment.instead(&root) {
         findings.push(finding);
         return None;

@@ -53,8 +53,10 @@ struct Column<'a> {
 
 /// A sample lies off the scale by more than so many times what the machine can hold;
 const OFF: f64 = 1.05;
-/// up to this share of them is let pass with a warning.
+/// up to this share of them is let pass with a warning,
 const FEW: f64 = 0.01;
+/// but for those that no recorder of it can have read: so many times as much.
+const ABSURD: f64 = 1000.0;
 
 /// Looks at every column of an experiment.
 pub(super) fn check(made: &Experiment, document: &Document, findings: &mut Findings) {
@@ -201,7 +203,8 @@ impl Column<'_> {
                 told(full)
             )
         };
-        let code = if self.off > FEW { Code::OffScale } else { Code::BeyondScale };
+        let is_off = self.off > FEW || most > ABSURD * full;
+        let code = if is_off { Code::OffScale } else { Code::BeyondScale };
         (most > full).then(|| Diagnostic::at(code, column.span, message()))
     }
 }

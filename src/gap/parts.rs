@@ -90,9 +90,14 @@ impl Cutting<'_> {
     }
 }
 
+/// How many samples two stretches share.
+pub(super) fn in_both(one: &Range<usize>, other: &Range<usize>) -> usize {
+    one.end.min(other.end).saturating_sub(one.start.max(other.start))
+}
+
 /// The sample at which one ends and the other begins belongs to what is trained on alone.
 pub(super) fn apart(trained: &Range<usize>, tested: &mut Range<usize>) -> usize {
-    let shared = trained.end.min(tested.end).saturating_sub(trained.start.max(tested.start));
+    let shared = in_both(trained, tested);
     if shared != 1 || tested.len() < 2 {
         return shared;
     }

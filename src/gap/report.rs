@@ -475,7 +475,9 @@ fn rival(number: usize, round: &Round, trial: &Trial) -> Value {
 }
 
 fn left_out(number: usize, own: &LeftOut) -> Value {
-    json!({"step": number, "name": own.effect, "junction": own.junction, "why": own.why})
+    let mut document = own.document();
+    document.insert("step".to_owned(), number.into());
+    document.into()
 }
 
 fn gaps(problem: &Problem, stage: &Stage) -> Value {

@@ -2,6 +2,8 @@
 
 use std::mem;
 
+use serde_json::{Map, Value};
+
 use super::candidate::Candidate;
 use super::fit::Fitted;
 use super::graft::Attached;
@@ -59,6 +61,24 @@ pub struct Round {
     price: f64,
 }
 
+/// What an effect is measured by, and has to come to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bar {
+    /// The variance of what counts as noise, in squares of the noise of the data,
+    pub(super) noise: f64,
+    /// and how many samples it remembers.
+    pub(super) memory: f64,
+    /// The score that is asked for.
+    pub(super) needed: f64,
+}
+
+impl Bar {
+    /// That of so many trials where all is explained but white noise.
+    pub(super) fn of_noise(trials: usize) -> Bar {
+        Bar { noise: 1.0, memory: 1.0, needed: needed(trials) }
+    }
+}
+
 /// The score that the best must have to be more than chance,
 const CHANCE: f64 = 4.0;
 /// and what the logarithm of the number of trials adds: the best of many is better by chance, too.
@@ -92,10 +112,16 @@ impl LeftOut {
         LeftOut { effect, junction: attached.junction().to_owned(), why: why.to_string() }
     }
 
-    /// What was not tried, and why, in a line.
+    /// What is not tried, and why, in a line.
     pub fn sentence(&self) -> String {
         let why = self.why.lines().next().unwrap_or_default();
-        format!("{} at {} was not tried: {why}", self.effect, self.junction)
+        format!("{} at {} is not tried: {why}", self.effect, self.junction)
+    }
+
+    /// The same as a JSON document.
+    pub fn document(&self) -> Map<String, Value> {
+        let told = [("name", &self.effect), ("junction", &self.junction), ("why", &self.why)];
+        told.map(|(key, value)| (key.to_owned(), value.as_str().into())).into_iter().collect()
     }
 }
 
@@ -185,7 +211,7 @@ impl Round {
         };
         let mut trials: Vec<Trial> = tried.into_iter().map(trial).collect();
         trials.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let needed = CHANCE + TRIED * (trials.len().max(1) as f64).ln();
+        let needed = needed(trials.len());
         let needed = if beside.is_empty() { needed } else { BESIDE * needed };
         let mut round = Round {
             before: before.clone(),
@@ -201,6 +227,12 @@ impl Round {
         };
         round.judge();
         round
+    }
+
+    /// What the trials were measured by.
+    pub(super) fn bar(&self) -> Bar {
+        let (noise, memory) = unit(self.trials.iter().map(|trial| &trial.stage));
+        Bar { noise, memory, needed: self.needed }
     }
 
     /// Holds the trials against the best, and judges it.
@@ -286,8 +318,13 @@ impl Round {
     }
 }
 
+/// The score that the best of so many must have.
+fn needed(trials: usize) -> f64 {
+    CHANCE + TRIED * (trials.max(1) as f64).ln()
+}
+
 /// What the best of some trials leaves, in squares over the noise, and for how many samples that remembers: the unit of scores.
-pub(super) fn unit<'s>(tried: impl Iterator<Item = &'s Stage>) -> (f64, f64) {
+fn unit<'s>(tried: impl Iterator<Item = &'s Stage>) -> (f64, f64) {
     let best = tried.min_by(|a, b| a.train.chi2.total_cmp(&b.train.chi2));
     best.map_or((1.0, 1.0), |best| (best.train.reduced().max(f64::MIN_POSITIVE), best.memory))
 }

@@ -13,7 +13,7 @@ use super::experiment::{Feed, Output};
 use super::fit::{Point, Task, stacked};
 use super::model::{Choice, Course, Model, ModelError};
 use super::record::Record;
-use super::round::{APART, Round, Trial, unit};
+use super::round::{APART, Round, Trial};
 use super::score::expected;
 use super::stage::Problem;
 use crate::instruments::number;
@@ -229,8 +229,9 @@ impl Problem {
         let tried: Vec<Tried> =
             resting.iter().enumerate().flat_map(|(drive, own)| own.tried(drive, longest)).collect();
         let records: Vec<Record> = tried.iter().map(|own| own.record(longest, &resting)).collect();
-        let (noise, memory) = unit(round.trials.iter().map(|trial| &trial.stage));
-        let comparison = Comparison { problem: self, trials, records: &records, noise: noise * memory };
+        let bar = round.bar();
+        let comparison =
+            Comparison { problem: self, trials, records: &records, noise: bar.noise * bar.memory };
         let best = comparison.best(self.farthest(trials, &records)?)?;
         Ok(best.map(|(apart, Run { place, predictions })| {
             let Tried { drive, shape, amplitude, period } = tried[place];

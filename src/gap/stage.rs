@@ -553,17 +553,16 @@ impl Problem {
         Ok(Peaks { names, extents, interval, length, spectrum })
     }
 
-    /// Wires one more effect into a stage, and fits everything anew, as long as there is hope to come to what is wanted.
+    /// Wires one more effect into a stage: as a candidate, and as the version of the patch that is fitted.
     ///
     /// # Errors
-    /// When the effect does not fit, or the patch with it cannot be run beside the records.
-    pub fn attempt(
+    /// When the effect does not fit.
+    pub(super) fn wired(
         &self,
         stage: &Stage,
         attached: &Attached<'_>,
         peaks: &Peaks,
-        asked: Asked<'_>,
-    ) -> Result<(Candidate, Stage), Untried> {
+    ) -> Result<(Candidate, Version), Untried> {
         let largest = peaks.at(&attached.place);
         let candidate = Candidate::new(attached, &stage.version.patch, &largest, &peaks.spectrum);
         let candidate = candidate.map_err(ModelError::from)?.ok_or(Untried::Idle)?;
@@ -575,14 +574,26 @@ impl Problem {
             free: stage.version.free.iter().chain(&graft.free).cloned().collect(),
             steps: stage.version.steps.max(candidate.steps(peaks.interval)),
         };
+        Ok((candidate, version))
+    }
+
+    /// Wires one more effect into a stage, and fits everything anew, as long as there is hope to come to what is wanted.
+    ///
+    /// # Errors
+    /// When the effect does not fit, or the patch with it cannot be run beside the records.
+    pub fn attempt(
+        &self,
+        stage: &Stage,
+        attached: &Attached<'_>,
+        peaks: &Peaks,
+        asked: Asked<'_>,
+    ) -> Result<(Candidate, Stage), Untried> {
+        let (candidate, version) = self.wired(stage, attached, peaks)?;
+        let free = candidate.graft.free.len();
         let begun = |home: &Point, before: Option<&Point>| {
             let with = |start: &Vec<f64>| Point {
                 knobs: [home.knobs.as_slice(), start].concat(),
-                initial: home
-                    .initial
-                    .iter()
-                    .map(|own| [own.as_slice(), &vec![0.0; graft.free.len()]].concat())
-                    .collect(),
+                initial: home.initial.iter().map(|own| [own.as_slice(), &vec![0.0; free]].concat()).collect(),
                 offsets: home.offsets.clone(),
             };
             let beside = before.into_iter().flat_map(|before| {

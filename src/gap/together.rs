@@ -9,7 +9,7 @@ use super::experiment::{Experiment, Feed, LEAST_SAMPLES, Output};
 use super::fittable::to_fit;
 use super::measured::{self, Measured, Wanted, plural};
 use super::motion;
-use super::parts::{Cutting, Part, Use, apart};
+use super::parts::{Cutting, Part, Use, apart, in_both};
 use super::record::Record;
 use super::subject::{Subject, Target};
 use crate::patch::fields::Findings;
@@ -266,6 +266,7 @@ impl<'a> Bringing<'a> {
         let entire = |read: &'r Read<'r>| Taken { read, part: read.cutting().entire(Use::Test) };
         let mut taken: Vec<_> = trained.iter().flat_map(of_file).chain(tested.iter().map(entire)).collect();
         self.keep_apart(&mut taken);
+        [trained, tested].into_iter().for_each(|reads| self.check_once(reads));
         let mut told = HashSet::new();
         for taken in taken.iter().filter(|taken| taken.samples() < LEAST_SAMPLES) {
             // Where both parts of a record are too short, that is told once.
@@ -291,6 +292,22 @@ impl<'a> Bringing<'a> {
                         format!("{shared} samples of {} are both trained and tested on", read.measured.name);
                     self.findings.push(Diagnostic::at(Code::SharedSamples, tested.part.span, message));
                 }
+            }
+        }
+    }
+
+    /// Tells of samples that a list has twice: they would count as more data than there are.
+    fn check_once(&mut self, reads: &[Read<'_>]) {
+        for (place, own) in reads.iter().enumerate() {
+            let whole = own.cutting().whole();
+            let others = reads[..place].iter().filter(|other| other.is_same(own));
+            let shared = others.map(|other| in_both(&other.cutting().whole(), &whole)).max().unwrap_or(0);
+            // Where one range ends and the next begins, they share a sample.
+            if shared > 1 {
+                let message = format!("{shared} samples of {} are listed twice", own.measured.name);
+                let finding = Diagnostic::at(Code::SharedSamples, own.cutting().span, message);
+                self.findings
+                    .push(finding.hint("list them once: twice they count as more data than there are"));
             }
         }
     }

@@ -131,11 +131,11 @@ codes! {
         "name the column that was meant";
     NotFittable "not-fittable" Error "A parameter that cannot be fitted."
         "fit another one, or give it a range";
-    OffScale "off-scale" Error "Data of which more than one sample in a hundred lies beyond 100 V of their scale: the machine would cut it off."
-        "let a volt of the scale stand for more, or tell the \"unit\" of the column, if it is another";
+    OffScale "off-scale" Error "Data of which more than one sample in a hundred lies beyond 100 V of their scale, or one beyond 100 kV: the machine would cut it off."
+        "let a volt of the scale stand for more, or tell the \"unit\" of the column, if it is another; leave out a row that the recorder let slip";
     SamplingGap "sampling-gap" Warning "Rows that are missing between others."
         "look whether the recorder lost them; what was measured then is left out";
-    SharedSamples "shared-samples" Warning "Samples that are both trained and tested on."
+    SharedSamples "shared-samples" Warning "Samples that are both trained and tested on, or listed twice."
         "keep the two apart: what was fitted to proves nothing";
     StillPart "still-part" Warning "A column that does not move in the part to train or to test on."
         "take a part in which it does";

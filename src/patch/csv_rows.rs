@@ -302,7 +302,7 @@ impl Reader<'_> {
 /// Columns that a name may be meant for. Of a file that is no table little is shown.
 fn told_names(name: &str, fields: &[String]) -> String {
     let is_name = |field: &&str| {
-        let is_sign = |sign: char| !(sign.is_alphanumeric() || "_.-()[]/%".contains(sign));
+        let is_sign = |sign: char| !(sign.is_alphanumeric() || " _.-()[]/%^*°²".contains(sign));
         field.len() <= LONGEST_EXCERPT && !field.contains(is_sign)
     };
     let known: Vec<_> = fields.iter().map(String::as_str).collect();

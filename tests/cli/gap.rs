@@ -28,6 +28,40 @@ fn the_check_of_data_is_a_table_a_record() {
     );
     assert!(text.contains("would be tried at F: actuator-lag, backlash, "), "{text}");
     assert!(text.contains("The patch has no place for leak, load-dependent-friction, overflow.\n"), "{text}");
+    let friction = text.lines().find(|line| line.starts_with("coulomb-friction")).unwrap();
+    assert!(friction.contains("A1  Fc ") && friction.ends_with(" N"), "{friction}");
+}
+
+/// Beside what the patch fits itself the same effect does not show, whatever the data.
+#[test]
+fn the_check_tells_from_which_strength_on_an_effect_would_show() {
+    let told = json(&patchcord(&["gap", SLIDE, "--check", "--json", "--threads", "1"]));
+    let limits = told["limits"].as_array().unwrap();
+    let of = |name: &str| limits.iter().find(|own| own["name"] == name).unwrap();
+    let [friction, viscous] = ["coulomb-friction", "viscous-friction"].map(of);
+    assert_eq!((&friction["seen"], &friction["unit"]), (&Value::Bool(true), &"N".into()));
+    // A force of 3 N moves the table; what is read to 0.2 mm tells a hundredth of it.
+    assert!(friction["value"].as_f64().unwrap() < 0.03, "{friction}");
+    // Below the end of its range the patch's own f makes up for it.
+    assert!(viscous["value"].as_f64().unwrap() > 1.0, "{viscous}");
+    assert!(told["leaves"].as_f64().unwrap() > 100.0, "{}", told["leaves"]);
+    assert_eq!(told["left_out"], serde_json::json!([]));
+    let again = json(&patchcord(&["gap", SLIDE, "--check", "--json", "--threads", "2"]));
+    assert_eq!(again["limits"], told["limits"], "whatever the threads");
+}
+
+#[test]
+fn the_check_tells_which_effects_would_not_show_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = std::env::current_dir().unwrap().display().to_string();
+    let [patch, data] = ["base.json", "slide.csv"].map(|file| format!("\"{here}/tests/gap/{file}\""));
+    let asked = std::fs::read_to_string(SLIDE).unwrap();
+    let asked = asked.replace("\"base.json\"", &patch).replace("\"slide.csv\"", &data);
+    let noisy = folder.path().join("noisy.json");
+    std::fs::write(&noisy, asked.replace("\"sigma\": 0.2,", "\"sigma\": 300,")).unwrap();
+    let told = patchcord(&["gap", noisy.to_str().unwrap(), "--check"]);
+    assert_eq!((code(&told), errors(&told).as_str()), (0, ""));
+    assert!(out(&told).contains("No strength in its range would show of "), "{}", out(&told));
 }
 
 #[test]
@@ -164,7 +198,7 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     let page = std::fs::read_to_string("docs/gap.md").unwrap();
     let first = text.lines().next().unwrap();
     assert!(page.contains(first) && first.ends_with("saturation at u is missing"), "{text}");
-    let untried = "no-setting at I1 was not tried: error[setting-outside]: ";
+    let untried = "no-setting at I1 is not tried: error[setting-outside]: ";
     assert!(text.contains(untried), "{text}");
     let augmented = out_folder.join("augmented.json");
     let ran = patchcord(&["run", augmented.to_str().unwrap()]);

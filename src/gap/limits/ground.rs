@@ -8,9 +8,9 @@ use crate::gap::candidate::Candidate;
 use crate::gap::directions::product;
 use crate::gap::fit::Point;
 use crate::gap::model::ModelError;
-use crate::gap::round::{CONFIRMED, Round, Trial, unit};
+use crate::gap::round::{Bar, CONFIRMED};
 use crate::gap::score::expected;
-use crate::gap::stage::{Problem, Version};
+use crate::gap::stage::{Problem, Stage, Version};
 
 /// So many choices of an effect's other parameters are tried.
 const VARIANTS: usize = 3;
@@ -18,7 +18,8 @@ const VARIANTS: usize = 3;
 /// What a patch does beside its records, and in which directions its fit follows.
 pub(super) struct Ground<'a> {
     problem: &'a Problem,
-    round: &'a Round,
+    before: &'a Stage,
+    bar: Bar,
     pub(super) train: Half<'a>,
     pub(super) test: Half<'a>,
     /// The same with no states beside those of the patch.
@@ -28,39 +29,38 @@ pub(super) struct Ground<'a> {
 impl<'a> Ground<'a> {
     pub(super) fn of(
         problem: &'a Problem,
-        round: &'a Round,
+        before: &'a Stage,
+        bar: Bar,
         steps: u32,
     ) -> Result<Option<Ground<'a>>, ModelError> {
-        let before = &round.before;
         let version = Version { steps, ..before.version.clone() };
         let train = Half::of(problem, &version, &problem.train, &before.train.point)?;
         let test = Half::of(problem, &version, &problem.test, &before.test.point)?;
         Ok(train.zip(test).map(|(train, test)| {
             let usual = Cleared::of([&train, &test], version.fit.len(), [&[], &[]]);
-            Ground { problem, round, train, test, usual }
+            Ground { problem, before, bar, train, test, usual }
         }))
     }
 
     /// The least strength at which an effect would have been seen, whatever its other parameters.
-    pub(super) fn limit(&self, trial: &Trial) -> Result<Limit, ModelError> {
-        let version = &trial.stage.version;
+    pub(super) fn limit(&self, candidate: &Candidate, version: &Version) -> Result<Limit, ModelError> {
         let models = [
             self.problem.model(version, &self.problem.train, &self.problem.outputs)?,
             self.problem.model(version, &self.problem.test, &self.problem.outputs)?,
         ];
-        let numbers = version.fit.len() - self.round.before.version.fit.len();
+        let numbers = version.fit.len() - self.before.version.fit.len();
         let need = self.need(numbers);
-        let found = variants(&trial.candidate).into_iter().filter_map(|rest| {
-            let tried = Tried { ground: self, models: &models, trial, rest: &rest, need };
+        let found = variants(candidate).into_iter().filter_map(|rest| {
+            let tried = Tried { ground: self, models: &models, candidate, rest: &rest, need };
             tried.least().map(|(value, share)| (value, share, rest.clone()))
         });
         let least = found.min_by(|a, b| a.1.total_cmp(&b.1));
-        let brought = &trial.candidate.graft.parameters;
+        let brought = &candidate.graft.parameters;
         let beside = least.iter().flat_map(|(_, _, rest)| brought[1..].iter().zip(rest));
         Ok(Limit {
-            effect: trial.candidate.effect.clone(),
-            junction: trial.candidate.junction.clone(),
-            reads: trial.candidate.reads.clone(),
+            effect: candidate.effect.clone(),
+            junction: candidate.junction.clone(),
+            reads: candidate.reads.clone(),
             parameter: brought[0].of.clone(),
             unit: brought[0].unit.clone(),
             value: least.as_ref().map(|least| least.0),
@@ -71,15 +71,13 @@ impl<'a> Ground<'a> {
 
     /// The variance of the noise, with how long it remembers.
     fn noise(&self) -> f64 {
-        let (noise, memory) = unit(self.round.trials.iter().map(|trial| &trial.stage));
-        noise * memory
+        self.bar.noise * self.bar.memory
     }
 
     /// The sum of squares over noise that a trial with so many numbers more must take away.
     fn need(&self, numbers: usize) -> f64 {
-        let (_, memory) = unit(self.round.trials.iter().map(|trial| &trial.stage));
-        let samples = self.round.before.train.count as f64 / memory;
-        self.round.needed + numbers as f64 * samples.ln()
+        let samples = self.before.train.count as f64 / self.bar.memory;
+        self.bar.needed + numbers as f64 * samples.ln()
     }
 
     /// What parameters, initial voltages and offsets do not follow of a change, to first order.
@@ -88,7 +86,7 @@ impl<'a> Ground<'a> {
         let cleared = match train.states.iter().all(Vec::is_empty) {
             true => &self.usual,
             false => {
-                let fit = self.round.before.version.fit.len();
+                let fit = self.before.version.fit.len();
                 own = Cleared::of([&self.train, &self.test], fit, [&train.states, &test.states]);
                 &own
             }
@@ -110,7 +108,7 @@ impl<'a> Ground<'a> {
         let shown = product(train, train) / (self.noise() * need);
         let confirmed = expected(&self.test.tracks(test), self.noise());
         let apart = (confirmed.ratio() / CONFIRMED).powi(2);
-        shown.min(apart.max(confirmed.sum / (self.noise() * self.round.needed)))
+        shown.min(apart.max(confirmed.sum / (self.noise() * self.bar.needed)))
     }
 }
 

@@ -13,12 +13,16 @@ mod tried;
 use serde_json::{Map, Value, json};
 
 use self::ground::Ground;
+use super::candidate::Candidate;
+use super::graft::Attached;
 use super::model::ModelError;
-use super::round::{Round, Trial};
-use super::stage::Problem;
+use super::round::{Bar, LeftOut, Round};
+use super::search::Means;
+use super::stage::{Problem, Stage, Version};
 use crate::instruments::number;
-use crate::patch::behind;
+use crate::patch::{Patch, behind};
 use crate::pool;
+use crate::spare;
 
 /// The weakest effect of a kind, at a place, that data would have shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +45,17 @@ pub struct Limit {
     pub beside: Vec<(String, f64, String)>,
 }
 
+/// What data could show beside a patch, before anything is sought in them.
+#[derive(Debug, Clone)]
+pub struct Visible {
+    /// What the patch as fitted leaves, rms over the noise.
+    pub leaves: f64,
+    /// The weakest effects that would show if it left but noise, those that show best first.
+    pub limits: Vec<Limit>,
+    /// What cannot be tried.
+    pub left_out: Vec<LeftOut>,
+}
+
 impl Problem {
     /// The weakest effects that would have been seen of all that a round tried, those that show best first, worked out on so
     /// many threads.
@@ -48,18 +63,61 @@ impl Problem {
     /// # Errors
     /// When the patch cannot be run beside the records.
     pub fn limits(&self, round: &Round, threads: usize) -> Result<Vec<Limit>, ModelError> {
-        let mut grounds: Vec<(u32, Ground<'_>)> = Vec::new();
-        for trial in &round.trials {
-            let steps = trial.stage.version.steps;
-            if grounds.iter().all(|own| own.0 != steps) {
-                grounds.extend(Ground::of(self, round, steps)?.map(|ground| (steps, ground)));
+        let tried: Vec<_> =
+            round.trials.iter().map(|trial| (&trial.candidate, &trial.stage.version)).collect();
+        self.weakest(&round.before, round.bar(), &tried, threads)
+    }
+
+    /// What the data could show of the effects of a library beside a patch, once it is fitted; nothing where it can be run from none
+    /// of the points tried.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records at all.
+    pub fn visible(
+        &self,
+        patch: &Patch,
+        fit: &[String],
+        with: &Means<'_>,
+    ) -> Result<Option<Visible>, ModelError> {
+        spare::with_threads(with.threads, || {
+            let Some(base) = self.base(patch, fit, with.seed)? else { return Ok(None) };
+            self.visible_beside(&base, with).map(Some)
+        })
+    }
+
+    fn visible_beside(&self, base: &Stage, with: &Means<'_>) -> Result<Visible, ModelError> {
+        let (sites, peaks) = (self.sites(base)?, self.peaks(base)?);
+        let (mut wired, mut left_out) = (Vec::new(), Vec::new());
+        for attached in with.library.iter().flat_map(|effect| Attached::all(effect, &sites)) {
+            match self.wired(base, &attached, &peaks) {
+                Ok(own) => wired.push(own),
+                Err(why) => left_out.push(LeftOut::of(&attached, &why)),
             }
         }
-        let of = |trial: &Trial| {
-            let ground = grounds.iter().find(|own| own.0 == trial.stage.version.steps);
-            ground.map(|(_, ground)| ground.limit(trial)).transpose()
+        let wired: Vec<_> = wired.iter().map(|(candidate, version)| (candidate, version)).collect();
+        let limits = self.weakest(base, Bar::of_noise(wired.len()), &wired, with.threads)?;
+        Ok(Visible { leaves: base.train.over_noise(), limits, left_out })
+    }
+
+    fn weakest(
+        &self,
+        before: &Stage,
+        bar: Bar,
+        tried: &[(&Candidate, &Version)],
+        threads: usize,
+    ) -> Result<Vec<Limit>, ModelError> {
+        let mut grounds: Vec<(u32, Ground<'_>)> = Vec::new();
+        for (_, version) in tried {
+            let steps = version.steps;
+            if grounds.iter().all(|own| own.0 != steps) {
+                grounds.extend(Ground::of(self, before, bar, steps)?.map(|ground| (steps, ground)));
+            }
+        }
+        let of = |(candidate, version): &(&Candidate, &Version)| {
+            let ground = grounds.iter().find(|own| own.0 == version.steps);
+            ground.map(|(_, ground)| ground.limit(candidate, version)).transpose()
         };
-        let found = pool::each(&round.trials, threads, of, |_| ());
+        let found = pool::each(tried, threads, of, |_| ());
         let found: Vec<Option<Limit>> = found.into_iter().collect::<Result<_, _>>()?;
         let mut limits: Vec<Limit> = Vec::new();
         for limit in found.into_iter().flatten() {
@@ -85,12 +143,13 @@ impl Limit {
 
     /// The same in words; nothing where the data could not show the effect at all.
     pub fn sentence(&self) -> Option<String> {
-        let (effect, junction) = (&self.effect, &self.junction);
         let told = self.told()?;
-        Some(format!(
-            "the weakest {effect} at {junction} that would have shown has {} = {told}",
-            self.parameter
-        ))
+        Some(format!("the weakest {} that would have shown has {} = {told}", self.named(), self.parameter))
+    }
+
+    /// The effect and where it acts.
+    pub fn named(&self) -> String {
+        format!("{} at {}", self.effect, self.junction)
     }
 
     /// Its value with its unit.

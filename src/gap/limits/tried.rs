@@ -2,8 +2,8 @@
 
 use super::ground::Ground;
 use super::half::Change;
+use crate::gap::candidate::Candidate;
 use crate::gap::model::Model;
-use crate::gap::round::Trial;
 
 /// Strengths that are tried on either side of none, as shares of the way to the end of the range.
 const STRENGTHS: [f64; 11] = [6e-5, 2.5e-4, 1e-3, 4e-3, 0.016, 0.06, 0.25, 0.5, 0.8, 0.93, 1.0];
@@ -18,7 +18,7 @@ const BETWEEN: u32 = 5;
 pub(super) struct Tried<'a> {
     pub(super) ground: &'a Ground<'a>,
     pub(super) models: &'a [Model; 2],
-    pub(super) trial: &'a Trial,
+    pub(super) candidate: &'a Candidate,
     pub(super) rest: &'a [f64],
     pub(super) need: f64,
 }
@@ -26,8 +26,8 @@ pub(super) struct Tried<'a> {
 impl Tried<'_> {
     /// The strength from which on the effect would have been seen, whatever its sign if it would with both, and its share of the range.
     pub(super) fn least(&self) -> Option<(f64, f64)> {
-        let brought = &self.trial.candidate.graft.parameters[0];
-        let none = self.trial.candidate.none;
+        let brought = &self.candidate.graft.parameters[0];
+        let none = self.candidate.none;
         let home = none.unwrap_or(0.0);
         let ends: Vec<f64> = match none {
             Some(none) => brought.range.into_iter().filter(|end| *end != none).collect(),
@@ -42,7 +42,7 @@ impl Tried<'_> {
 
     /// The same between no effect and an end of its range.
     fn on_one_side(&self, home: f64, end: f64) -> Option<f64> {
-        let candidate = &self.trial.candidate;
+        let candidate = self.candidate;
         // Where no effect lies outside the range, the weakest is that at its beginning.
         let weakest = candidate.none.map_or(candidate.graft.parameters[0].range[0] / end, |_| 0.0);
         let stronger = STRENGTHS.into_iter().filter(|share| *share > weakest);
@@ -62,7 +62,7 @@ impl Tried<'_> {
 
     /// Shares of the way to the end of a range and their margins, up to the first that shows.
     fn margins(&self, home: f64, end: f64, shares: &[f64]) -> Vec<Margin> {
-        let candidate = &self.trial.candidate;
+        let candidate = self.candidate;
         let with = |strength: f64| [&[strength], self.rest].concat();
         let strengths: Vec<Vec<f64>> = shares.iter().map(|share| with(home + share * (end - home))).collect();
         let none = candidate.none.map(with);

@@ -161,7 +161,9 @@ fn differs_only_in_case(name: &str, unknown: &str) -> bool {
 fn two_units_run_together(unknown: &str) -> Option<String> {
     unknown.char_indices().skip(1).find_map(|(at, _)| {
         let (left, right) = unknown.split_at(at);
-        (known(left).is_some() && known(right).is_some()).then(|| format!("{left} {right}"))
+        let (own, other) = (known(left)?.1, known(right)?.1);
+        // Nobody multiplies a unit by itself so: a letter was typed twice.
+        (own.name != other.name).then(|| format!("{left} {right}"))
     })
 }
 
@@ -218,6 +220,7 @@ mod tests {
         assert_eq!(suggestions("pa"), ["Pa"]);
         assert_eq!(suggestions("Ns"), ["ns", "N s"]);
         assert_eq!(suggestions("kgm"), ["kg m"]);
+        assert_eq!(suggestions("mmm"), ["mm"]);
         assert!(suggestions("furlong").is_empty());
     }
 }
