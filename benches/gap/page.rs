@@ -143,12 +143,18 @@ fn share<T>(all: impl Iterator<Item = T>, is: impl Fn(&T) -> bool) -> String {
     format!("{:.1} % ({own} of {count})", 100.0 * own as f64 / f64::from(count.max(1)))
 }
 
+/// A search that takes no more seconds is quick.
+const QUICK: f64 = 10.0;
+
 fn times(judged: &[Judged]) -> String {
     let mut times: Vec<f64> = judged.iter().map(|one| one.seconds).collect();
     times.sort_by(f64::total_cmp);
     let [half, most] = [0.5, 0.95].map(|share| quantile(&times, share));
     let last = times.last().copied().unwrap_or_default();
-    format!("{half:.1} s (median), {most:.0} s or less in 19 of 20, {last:.0} s at most")
+    let quick = share(times.iter(), |time| **time <= QUICK);
+    format!(
+        "{half:.1} s (median), {QUICK} s or less in {quick}, {most:.0} s or less in 19 of 20, {last:.0} s at most"
+    )
 }
 
 /// The middle of numbers in order.

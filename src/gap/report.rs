@@ -17,6 +17,7 @@ use super::round::{LeftOut, Round, Trial};
 use super::score::Advantage;
 use super::search::{Outcome, Verdict};
 use super::separate::Separating;
+use super::settled::may_be_none;
 use super::stage::{Problem, Stage};
 use super::whereabouts::{Whereabouts, nearest};
 use crate::instruments::number;
@@ -74,7 +75,14 @@ impl Outcome {
         let coarse = (!self.fineness.is_enough()).then(|| self.fineness.sentence());
         let noises = self.noises(experiment).into_iter().chain(self.louder(experiment));
         let nameless = self.places.nameless_told();
-        self.at_ends().into_iter().chain(noises).chain(nameless).chain(coarse).chain(warned).collect()
+        self.at_ends()
+            .into_iter()
+            .chain(self.uncertain())
+            .chain(noises)
+            .chain(nameless)
+            .chain(coarse)
+            .chain(warned)
+            .collect()
     }
 
     /// Which parameters of the patch stand at an end of their ranges: as it was, or beside what is named.
@@ -106,6 +114,17 @@ impl Outcome {
         let own = named.flat_map(|effect| self.own_at_ends(effect));
         let further = self.beyond.as_ref().filter(|own| !self.says(own)).map(Beyond::sentence);
         before.chain(further).chain(beside).chain(own).collect()
+    }
+
+    /// Which effects the data may have none of, as far as their intervals tell.
+    fn uncertain(&self) -> impl Iterator<Item = String> + '_ {
+        let named = self.effects.iter().filter(|_| self.verdict.has_names());
+        named.filter(|effect| may_be_none(effect, &self.last)).map(|effect| {
+            format!(
+                "{} may have no strength at all, by its interval: it is named for what the data are explained better with it.",
+                effect.named()
+            )
+        })
     }
 
     /// Whether what lies beyond ranges stands in the verdict.
@@ -218,7 +237,7 @@ impl Outcome {
         };
         let effects: Vec<String> = taken.map(told).collect();
         let are = if effects.len() > 1 { "are" } else { "is" };
-        let effects = effects.join(", and ");
+        let effects = listed(&effects);
         match self.verdict {
             Verdict::Named => format!("{effects} {are} missing{}", self.left_over()),
             Verdict::Ambiguous => {
@@ -292,6 +311,7 @@ impl Outcome {
             .flat_map(|(number, round)| round.left_out.iter().map(move |own| left_out(number + 1, own)));
         json!({
             "verdict": self.verdict.as_str(),
+            "sentence": self.sentence(),
             "effects": effects.collect::<Vec<_>>(),
             "rivals": rivals.collect::<Vec<_>>(),
             "left_out": left_out.collect::<Vec<_>>(),
@@ -312,6 +332,15 @@ impl Outcome {
             "beyond": self.beyond.as_ref().map(Beyond::document),
             "where": self.whereabouts.iter().map(Whereabouts::document).collect::<Vec<_>>(),
         })
+    }
+}
+
+/// "A", "A, and B", "A, B, and C": what is listed may itself be "X or Y".
+fn listed(parts: &[String]) -> String {
+    match parts {
+        [] => String::new(),
+        [only] => only.clone(),
+        [first @ .., last] => format!("{}, and {last}", first.join(", ")),
     }
 }
 
@@ -364,7 +393,7 @@ impl Round {
     pub fn sentence(&self) -> String {
         let Some(best) = self.trials.first() else { return "nothing fits".to_owned() };
         let held = format!(
-            "on the data held back it lowers the sum of squares by {} ± {} times that of the noise",
+            "on the data held back it lowers the sum of squares by {} times that of the noise, with a standard error of {}",
             number(self.confirmed.sum),
             number(self.confirmed.error)
         );

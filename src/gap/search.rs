@@ -185,8 +185,7 @@ impl Problem {
         let mut come = Come { rounds: Vec::new(), effects: Vec::new(), stage: base.clone() };
         let (mut bettered, mut before_promise) = (0, None);
         while come.rounds.len() < MOST_EFFECTS {
-            // What noise of the drives brings is nothing that an effect might be named after.
-            if self.not_white(&come.stage, with.threads)?.is_some_and(|own| own.is_of_drives()) {
+            if self.leaves_noise_of_drives(&come.stage, with.threads)? {
                 break;
             }
             let round = self.round(&come.stage, &come.effects, None, with, progress)?;
@@ -212,8 +211,14 @@ impl Problem {
         Ok((base, come, before_promise))
     }
 
+    /// Whether what a stage leaves is what noise of the drives brings: nothing that an effect might be named after.
+    fn leaves_noise_of_drives(&self, stage: &Stage, threads: usize) -> Result<bool, ModelError> {
+        Ok(self.not_white(stage, threads)?.is_some_and(|own| own.is_of_drives()))
+    }
+
     /// Where no effect is taken alone, each of those that close most is gone on from as if it had been: of two the one may hide the
-    /// other. The first that holds together with what is found beside it, and leaves but noise, is it.
+    /// other. The first that holds together with what is found beside it, and leaves but noise, is it; not where what the one
+    /// leaves is noise of the drives.
     fn together(
         &self,
         base: &Stage,
@@ -222,6 +227,9 @@ impl Problem {
         progress: &mut impl FnMut(Progress),
     ) -> Result<Come, ModelError> {
         for mut pair in come.hopes() {
+            if self.leaves_noise_of_drives(&pair.stage, with.threads)? {
+                continue;
+            }
             let round = self.round(&pair.stage, &pair.effects, None, with, progress)?;
             if !pair.goes_on_with(round) {
                 continue;

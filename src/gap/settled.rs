@@ -137,7 +137,7 @@ impl Problem {
 
 /// Whether an effect may have no strength at all, as far as the data tell: each of its parameters that counts as its first does, as
 /// both amplitudes of a sine and a cosine.
-fn may_be_none(effect: &Candidate, stage: &Stage) -> bool {
+pub(super) fn may_be_none(effect: &Candidate, stage: &Stage) -> bool {
     let parameters = &effect.graft.parameters;
     let Some((none, first)) = effect.none.zip(parameters.first()) else { return false };
     parameters.iter().filter(|own| own.unit == first.unit).all(|own| {

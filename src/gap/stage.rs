@@ -261,7 +261,9 @@ impl Problem {
             experiment.train.iter().map(|record| estimate(record, place)).fold(0.0, f64::max)
         };
         let sigma = experiment.outputs.iter().enumerate();
-        let sigma = sigma.map(|(place, output)| output.sigma.unwrap_or_else(|| largest(noise, place)));
+        let sigma = sigma.map(|(place, output)| {
+            output.sigma.unwrap_or_else(|| largest(noise, place).max(least_noise(&experiment.train, place)))
+        });
         let drive_sigma = experiment.drives.iter().enumerate();
         let drive_sigma =
             drive_sigma.map(|(place, feed)| feed.sigma.unwrap_or_else(|| largest(drive_noise, place)));
@@ -672,6 +674,12 @@ fn drive_noise(record: &Record, drive: usize) -> f64 {
 
 /// The noise of an output in a record; 0 where that is too short to tell.
 fn noise(record: &Record, output: usize) -> f64 {
-    let is = examine(&record.outputs[output], record.interval);
-    is.noise.map_or(0.0, |noise| noise.sigma.max(LEAST_NOISE * (is.most - is.least)))
+    examine(&record.outputs[output], record.interval).noise.map_or(0.0, |noise| noise.sigma)
+}
+
+/// What counts as noise of an output at least.
+fn least_noise(records: &[Record], output: usize) -> f64 {
+    let tracks = records.iter().map(|record| &record.outputs[output]);
+    let [least, most] = tracks.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, own| widened(ends, own));
+    LEAST_NOISE * (most - least)
 }

@@ -46,6 +46,7 @@ fn what_is_wrong_with_an_effect_is_told_of_its_own_file() {
         assert_eq!(code(&told), 1);
         errors(&told)
     };
+    let many = format!("[{}]", vec!["1"; 51].join(", "));
     for (from, to, wanted) in [
         (
             "\"kind\": \"inverter\"",
@@ -68,6 +69,8 @@ fn what_is_wrong_with_an_effect_is_told_of_its_own_file() {
         ("sum / position^3", "sum + position", "no product of powers"),
         ("[-1, -0.05, 0.3]", "[-1, 30]", "a fit begins at 30, outside the range -10 ... 10"),
         ("[-1, -0.05, 0.3]", "[]", "\"start\" lists no value"),
+        ("[-1, -0.05, 0.3]", many.as_str(), "\"start\" lists 51 values, and takes 50 at most"),
+        ("\"at\": \"motion\",", "\"at\": \"motion\", \"parameters\": [],", "a form has a parameter at least"),
         ("[-10, 10]", "[-1e300, 10]", "counts in reaches and goes to 1000000 at most"),
         ("[-10, 10]", "[-10, 1e300]", "counts in reaches and goes to 1000000 at most"),
         ("sum / position^3", "sum / position^3e9", "nothing can be measured in that"),

@@ -167,6 +167,9 @@ fn none_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Opt
     none
 }
 
+/// A parameter begins at no more values than this: each may be joined to each of the others.
+const MOST_VALUES: usize = 50;
+
 fn start_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Option<Start> {
     if let Content::Text(text) = &node.value {
         let known = Start::WORDS.iter().find(|(word, _)| word == text).map(|(_, start)| start.clone());
@@ -180,8 +183,10 @@ fn start_of(node: &Node, range: Option<[f64; 2]>, findings: &mut Findings) -> Op
     }
     let nodes = list(node, "start", findings)?;
     let values: Vec<f64> = nodes.iter().map(|node| number(node, "start", findings)).collect::<Option<_>>()?;
-    if values.is_empty() {
-        let message = "\"start\" lists no value from which a fit could begin";
+    if !(1..=MOST_VALUES).contains(&values.len()) {
+        let many = format!("\"start\" lists {} values, and takes {MOST_VALUES} at most", values.len());
+        let none = "\"start\" lists no value from which a fit could begin".to_owned();
+        let message = if values.is_empty() { none } else { many };
         findings.push(Diagnostic::at(Code::BadNumber, node.span, message));
     }
     for (value, node) in values.iter().zip(nodes) {
@@ -232,6 +237,10 @@ fn form(
     let own = own.map(|names| known(names, declared, findings));
     let own = own.unwrap_or_else(|| declared.iter().map(|name| (*name).to_owned()).collect());
     fields.finish(findings);
+    if own.is_empty() {
+        let message = "a form has a parameter at least: its strength, which comes first";
+        findings.push(Diagnostic::at(Code::MissingKey, opening(node), message));
+    }
     if gives.is_empty() || elements.is_empty() {
         let message = "a form needs \"elements\", and says in \"gives\" what they are wired to";
         findings.push(Diagnostic::at(Code::MissingKey, opening(node), message));
