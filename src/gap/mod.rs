@@ -48,6 +48,7 @@ pub mod starts;
 mod steps;
 mod subject;
 mod together;
+mod trying;
 pub mod turned;
 pub mod unrest;
 pub mod whereabouts;

@@ -1,27 +1,25 @@
 //! The search: every effect at every place that it fits, everything refitted, the best confirmed on what was held back; and
 //! again, until what is left looks like noise or nothing more can be named.
 
-use std::cmp::Reverse;
-
 use super::beyond::Beyond;
 use super::blind::Blind;
 use super::candidate::Candidate;
 use super::come::Come;
 use super::correlation::Correlation;
 use super::effect::Library;
-use super::effort::Effort;
 use super::graft::Attached;
 use super::limits::Limit;
 use super::model::ModelError;
 use super::places::Places;
 use super::progress::{Part, Progress};
-use super::round::{LeftOut, Round};
+use super::round::Round;
 use super::separate::Separating;
 use super::settled::Found;
 use super::site::Sites;
-use super::stage::{Asked, Problem, Stage};
+use super::stage::{Problem, Stage};
 use super::starts::Agreement;
 use super::steps::Fineness;
+use super::trying::Trying;
 use super::whereabouts::{Whereabouts, likeliest};
 use crate::patch::Patch;
 use crate::pool;
@@ -117,14 +115,6 @@ pub struct Means<'a> {
 const LOOKED_AT: usize = 3;
 /// So often a round is made again because the patch before it could be fitted better.
 const MOST_BETTERED: usize = 3;
-/// So many of the best trials are fitted to ever more of the records, where all leave a large gap.
-const GROWN: usize = 6;
-/// So many trials are gone through with, those that a quick look finds best.
-const TRIED_FULLY: usize = 12;
-/// or so many, and what stood there, where an effect is looked at again beside others.
-const TRIED_AGAIN: usize = 6;
-/// Trials that leave less than this times what the best leaves are looked after where they do not hold for the test.
-const NEAR: f64 = 1.5;
 /// How many effects are looked for at most.
 const MOST_EFFECTS: usize = 3;
 /// What leaves structure, more than this share of the gap, explains in part what may be no effect of the library, unless it is one
@@ -375,71 +365,8 @@ impl Problem {
         let mut tell = |part, done, all: usize| {
             progress(Progress { round: number, part, done, all: all as u64 });
         };
-        let attempt =
-            |attached: &Attached<'_>, asked: Asked<'_>| self.attempt(stage, attached, &peaks, asked);
-        let before = stage.train.chi2;
-        let tried = pool::each(
-            &all,
-            with.threads,
-            |own| {
-                let known = found.and_then(|found| found.values_of(own));
-                attempt(own, Asked { effort: Effort::QUICK, wanted: before, before: None, known })
-            },
-            |done| tell(Part::Quick, done, all.len()),
-        );
-        let left_out: Vec<LeftOut> = all
-            .iter()
-            .zip(&tried)
-            .filter_map(|(own, tried)| Some(LeftOut::of(own, tried.as_ref().err()?)))
-            .collect();
-        let mut tried: Vec<Option<(Candidate, Stage)>> = tried.into_iter().map(Result::ok).collect();
-        let mut harder = |most: usize, effort: Effort, part: Part| {
-            let mut order = best_of(&tried, most);
-            let stood = all.iter().position(|own| found.is_some_and(|found| found.is(own)));
-            order.extend(stood.filter(|place| !order.contains(place) && tried[*place].is_some()));
-            // Where there is no hope to come to what the best has come to, no more is needed.
-            let first = order.first().copied();
-            let best = first.and_then(|place| tried[place].as_ref());
-            let reached = best.map_or(before, |(_, stage)| stage.train.chi2.min(before));
-            // No thread waits for a long one at the end.
-            order.sort_by_key(|place| {
-                Reverse(tried[*place].as_ref().map_or(0, |(_, own)| own.version.work()))
-            });
-            let again = pool::each(
-                &order,
-                with.threads,
-                |place| {
-                    let wanted = if Some(*place) == first { before } else { reached };
-                    let come = tried[*place].as_ref().map(|(_, stage)| stage);
-                    // What cannot be fitted with more effort stays as it was with less.
-                    attempt(&all[*place], Asked { effort, wanted, before: come, known: None }).ok()
-                },
-                |done| tell(part, done, order.len()),
-            );
-            for (place, again) in order.iter().zip(again) {
-                let gone_through = again.is_some();
-                tried[*place] = better_of(tried[*place].take(), again);
-                tried[*place].iter_mut().for_each(|(_, stage)| stage.gone_through |= gone_through);
-            }
-            order.iter().flat_map(|place| &tried[*place]).all(|(_, stage)| stage.is_far())
-        };
-        let most = if found.is_some() { TRIED_AGAIN } else { TRIED_FULLY };
-        let is_far = harder(most, Effort::FULL, Part::Full);
-        if is_far && !self.is_cut {
-            harder(GROWN, Effort::GROWING, Part::Growing);
-        }
-        let tried: Vec<(Candidate, Stage)> = tried.into_iter().flatten().collect();
-        let best = tried.iter().map(|(_, stage)| stage.train.chi2).fold(f64::INFINITY, f64::min);
-        let finished = |(_, stage): &(Candidate, Stage)| match stage.train.chi2 < NEAR * best {
-            true => self.finished(stage),
-            false => Ok(None),
-        };
-        let again = pool::each(&tried, with.threads, finished, |_| ());
-        let tried = tried
-            .into_iter()
-            .zip(again)
-            .map(|((candidate, stage), again)| Ok::<_, ModelError>((candidate, again?.unwrap_or(stage))));
-        let tried = tried.collect::<Result<_, _>>()?;
+        let trying = Trying { problem: self, stage, peaks: &peaks, all: &all, found, threads: with.threads };
+        let (tried, left_out) = trying.carried_out(&mut tell)?;
         let mut round = Round::of(stage, effects.iter().map(Candidate::named).collect(), tried);
         round.left_out = left_out;
         Ok(round)
@@ -476,21 +403,4 @@ fn is_sure(base: &Stage, last: &Stage, rounds: &[Round]) -> bool {
 fn is_a_curve(whereabouts: &[Whereabouts], left: f64) -> bool {
     let best = whereabouts.first().and_then(|best| best.best.map(|place| &best.curves[place]));
     best.is_some_and(|curve| 1.0 - curve.explains < CURVE * left * left)
-}
-
-/// The places of so many trials, those that left least first.
-fn best_of(tried: &[Option<(Candidate, Stage)>], most: usize) -> Vec<usize> {
-    let chi2 = |place: &usize| tried[*place].as_ref().map_or(f64::INFINITY, |(_, stage)| stage.train.chi2);
-    let mut order: Vec<usize> = (0..tried.len()).filter(|place| tried[*place].is_some()).collect();
-    order.sort_by(|a, b| chi2(a).total_cmp(&chi2(b)));
-    order.truncate(most);
-    order
-}
-
-/// The one of two trials that left less.
-fn better_of(
-    one: Option<(Candidate, Stage)>,
-    other: Option<(Candidate, Stage)>,
-) -> Option<(Candidate, Stage)> {
-    one.into_iter().chain(other).min_by(|(_, a), (_, b)| a.train.chi2.total_cmp(&b.train.chi2))
 }
