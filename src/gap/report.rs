@@ -119,7 +119,11 @@ impl Outcome {
     /// Which effects the data may have none of, as far as their intervals tell.
     fn uncertain(&self) -> impl Iterator<Item = String> + '_ {
         let named = self.effects.iter().filter(|_| self.verdict.has_names());
-        named.filter(|effect| may_be_none(effect, &self.last)).map(|effect| {
+        // What is not told at all has a line of its own.
+        let is_told = |effect: &&Candidate| {
+            self.last.brought(effect).next().is_some_and(|(_, _, known)| known.error.is_finite())
+        };
+        named.filter(is_told).filter(|effect| may_be_none(effect, &self.last)).map(|effect| {
             format!(
                 "{} may have no strength at all, by its interval: it is named for what the data are explained better with it.",
                 effect.named()

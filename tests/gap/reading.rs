@@ -73,14 +73,14 @@ fn a_record_is_cut_in_three_quarters_and_one() {
 #[test]
 fn ranges_decide_what_is_trained_and_tested_on() {
     let folder = folder();
-    put(&folder, "data.csv", &table(0..80, 0.1));
+    ["data.csv", "again.csv"].into_iter().for_each(|file| put(&folder, file, &table(0..80, 0.1)));
     let parts = |changes: Value| {
         let made = read(&folder, &changes);
         assert_eq!(made.warnings.to_string(), "");
         let of = |records: &[Record]| records.iter().map(begins_and_ends).collect::<Vec<_>>();
         (of(&made.train), of(&made.test))
     };
-    let range = json!({"data": "data.csv", "range": [2, 6]});
+    let range = json!({"data": "again.csv", "range": [2, 6]});
     let cases = [
         (json!({"train": [0, 4]}), vec![(0.0, 4.0)], vec![(4.1, 7.9)]),
         (json!({"train": [0, 4], "test": [4, 6]}), vec![(0.0, 4.0)], vec![(4.1, 6.0)]),
