@@ -57,12 +57,7 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
     tell_report(&experiment.warnings);
     let library = effects::known(arguments.effects.as_deref())?;
     if arguments.check {
-        let places = Places::of(&experiment.patch, &experiment.drives, &library)?;
-        let visible = visible(arguments, &experiment, &library)?;
-        return match arguments.json {
-            true => say_json(&gap_check::document(&experiment, &places, &visible)),
-            false => say(&gap_check::told(&experiment, &places, &visible)),
-        };
+        return checked(arguments, &experiment, &library);
     }
     let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, &experiment)).transpose()?;
     let (problem, outcome) = searched(arguments, &experiment, &library)?;
@@ -117,6 +112,17 @@ fn not_run(experiment: &Experiment) -> Failure {
         "{} cannot be run beside the data from any of the points tried: look at its scales and at the ranges of what is fitted, or let runs begin anew, by \"pieces\" in the experiment",
         experiment.patch.file()
     ))
+}
+
+/// Tells what the data are like before the patch is fitted, and then what they could show beside it.
+fn checked(arguments: &Arguments, experiment: &Experiment, library: &Library) -> Result<(), Failure> {
+    let places = Places::of(&experiment.patch, &experiment.drives, library)?;
+    if arguments.json {
+        let visible = visible(arguments, experiment, library)?;
+        return say_json(&gap_check::document(experiment, &places, &visible));
+    }
+    say(&gap_check::told(experiment, &places))?;
+    say(&gap_check::shows(&visible(arguments, experiment, library)?))
 }
 
 fn visible(arguments: &Arguments, experiment: &Experiment, library: &Library) -> Result<Visible, Failure> {

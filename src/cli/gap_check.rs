@@ -18,7 +18,7 @@ fn records(experiment: &Experiment) -> impl Iterator<Item = (&'static str, &Reco
     trained.chain(experiment.test.iter().map(|record| ("test", record)))
 }
 
-pub(super) fn told(experiment: &Experiment, places: &Places, visible: &Visible) -> String {
+pub(super) fn told(experiment: &Experiment, places: &Places) -> String {
     let mut text = format!("{}: {}\n", experiment.file, verdict(experiment.warnings.warnings()));
     if !experiment.title.is_empty() {
         text += &format!("{}\n", experiment.title);
@@ -34,13 +34,16 @@ pub(super) fn told(experiment: &Experiment, places: &Places, visible: &Visible) 
             text += &format!("\n{notes}");
         }
     }
-    text + "\n" + &tried(places) + &shows(visible)
+    text + "\n" + &tried(places)
 }
 
 /// From which strength on the data could show effects.
-fn shows(visible: &Visible) -> String {
+pub(super) fn shows(visible: &Visible) -> String {
     let Visible { leaves, limits, left_out } = visible;
     let mut text: String = left_out.iter().map(|own| own.sentence() + "\n").collect();
+    if limits.is_empty() {
+        return text;
+    }
     text += &format!(
         "\nwhat these data could show beside the patch as fitted, if no more than noise were left ({} times that is), every effect where it shows best\n\n{}",
         number(*leaves),

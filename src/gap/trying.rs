@@ -35,8 +35,10 @@ pub(super) struct Trying<'a> {
     pub threads: usize,
 }
 
-/// An effect wired in, and the patch with it fitted; nothing where it could not be tried.
-type Tried = Option<(Candidate, Stage)>;
+/// An effect wired in, and the patch with it fitted.
+type Fit = (Candidate, Stage);
+/// The same; nothing where it could not be tried.
+type Tried = Option<Fit>;
 
 impl Trying<'_> {
     /// Everything tried, with what could not be; `tell` hears what is done, how much of it and how much there is.
@@ -46,7 +48,7 @@ impl Trying<'_> {
     pub fn carried_out(
         &self,
         tell: &mut dyn FnMut(Part, u64, usize),
-    ) -> Result<(Vec<(Candidate, Stage)>, Vec<LeftOut>), ModelError> {
+    ) -> Result<(Vec<Fit>, Vec<LeftOut>), ModelError> {
         let (mut tried, left_out) = self.looked_at(tell);
         let mut order = self.ahead(&tried, if self.found.is_some() { TRIED_AGAIN } else { TRIED_FULLY });
         self.harder(&mut tried, &order, Effort::FULL, Part::Full, tell);
@@ -66,7 +68,7 @@ impl Trying<'_> {
         Ok((self.finished(tried.into_iter().flatten().collect())?, left_out))
     }
 
-    fn attempt(&self, place: usize, asked: Asked<'_>) -> Result<(Candidate, Stage), Untried> {
+    fn attempt(&self, place: usize, asked: Asked<'_>) -> Result<Fit, Untried> {
         self.problem.attempt(self.stage, &self.all[place], self.peaks, asked)
     }
 
@@ -139,9 +141,9 @@ impl Trying<'_> {
     }
 
     /// Trials with steps that are fine enough where they came to, and begun in the right place where they are held back.
-    fn finished(&self, tried: Vec<(Candidate, Stage)>) -> Result<Vec<(Candidate, Stage)>, ModelError> {
+    fn finished(&self, tried: Vec<Fit>) -> Result<Vec<Fit>, ModelError> {
         let best = tried.iter().map(|(_, stage)| stage.train.chi2).fold(f64::INFINITY, f64::min);
-        let finished = |(_, stage): &(Candidate, Stage)| match stage.train.chi2 < NEAR * best {
+        let finished = |(_, stage): &Fit| match stage.train.chi2 < NEAR * best {
             true => self.problem.finished(stage),
             false => Ok(None),
         };

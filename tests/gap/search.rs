@@ -77,8 +77,9 @@ fn a_stop_that_the_patch_without_it_does_not_come_to_is_named() {
     named("stop", "xl", "xs", 0.5);
 }
 
+/// Twelve laws that have it in them stand before it at a quick look.
 #[test]
-fn coulomb_friction_is_named() {
+fn coulomb_friction_is_named_and_no_law_that_needs_more() {
     named("friction", "Fc", "Fc", 0.1);
 }
 
