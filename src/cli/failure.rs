@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 use super::{errors_in_colour, say_json, tell, tell_coloured};
 use patchcord::gap::ExperimentError;
 use patchcord::gap::effect::EffectError;
+use patchcord::gap::model::ModelError;
 use patchcord::patch::{PatchError, Report, Severity};
 use patchcord::solve::RunError;
 
@@ -168,6 +169,12 @@ impl From<EffectError> for Failure {
             EffectError::Wrong(reports) => Failure::new(Cause::Several("effect", reports)),
             error => Failure::data(error.to_string()),
         }
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        Failure::data(error.to_string())
     }
 }
 

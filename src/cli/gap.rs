@@ -12,7 +12,6 @@ use clap::Args;
 use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
 use patchcord::gap::limits::Visible;
-use patchcord::gap::model::ModelError;
 use patchcord::gap::page::Told;
 use patchcord::gap::places::Places;
 use patchcord::gap::progress::{Part, Progress};
@@ -103,10 +102,6 @@ fn means<'a>(arguments: &Arguments, library: &'a Library) -> Means<'a> {
     Means { library, threads: arguments.threads.map_or(cores, usize::from), seed: arguments.seed }
 }
 
-fn failed(error: ModelError) -> Failure {
-    Failure::data(error.to_string())
-}
-
 fn not_run(experiment: &Experiment) -> Failure {
     Failure::data(format!(
         "{} cannot be run beside the data from any of the points tried: look at its scales and at the ranges of what is fitted, or let runs begin anew, by \"pieces\" in the experiment",
@@ -126,11 +121,11 @@ fn checked(arguments: &Arguments, experiment: &Experiment, library: &Library) ->
 }
 
 fn visible(arguments: &Arguments, experiment: &Experiment, library: &Library) -> Result<Visible, Failure> {
-    let problem = Problem::of(experiment).map_err(failed)?;
+    let problem = Problem::of(experiment)?;
     let mut bar = Bar::new("effects");
     bar.iter_mut().for_each(|bar| bar.busy("fitting the patch, to see what the data could show beside it"));
     let found = problem.visible(&experiment.patch, &experiment.fit, &means(arguments, library));
-    found.map_err(failed)?.ok_or_else(|| not_run(experiment))
+    found?.ok_or_else(|| not_run(experiment))
 }
 
 fn searched(
@@ -139,10 +134,10 @@ fn searched(
     library: &Library,
 ) -> Result<(Problem, Outcome), Failure> {
     let with = means(arguments, library);
-    let problem = Problem::of(experiment).map_err(failed)?;
+    let problem = Problem::of(experiment)?;
     let mut bar = Bar::new("effects");
     let progress = |at: Progress| bar.iter_mut().for_each(|bar| tell(bar, at));
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, progress).map_err(failed)?;
+    let found = problem.search(&experiment.patch, &experiment.fit, &with, progress)?;
     let outcome = found.ok_or_else(|| not_run(experiment))?;
     Ok((problem, outcome))
 }

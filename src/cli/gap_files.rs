@@ -63,8 +63,7 @@ impl<'f> Folder<'f> {
             Ok::<_, Failure>(text.map(|_| Value::from(path.display().to_string())))
         };
         let mut patch = |file: &str, patch: Result<Option<Patch>, ModelError>| {
-            let patch = patch.map_err(|error| Failure::data(error.to_string()))?;
-            left(file, patch.as_ref().map(Patch::text))
+            left(file, patch?.as_ref().map(Patch::text))
         };
         let name = |file: &str| self.folder.join(file).display().to_string();
         let augmented = patch(AUGMENTED, outcome.augmented(experiment, &name(AUGMENTED)))?;

@@ -77,6 +77,11 @@ impl Bar {
     pub(super) fn of_noise(trials: usize) -> Bar {
         Bar { noise: 1.0, memory: 1.0, needed: needed(trials) }
     }
+
+    /// The variance of the noise for each sample that does not remember the one before.
+    pub(super) fn variance(&self) -> f64 {
+        self.noise * self.memory
+    }
 }
 
 /// The score that the best must have to be more than chance,

@@ -230,8 +230,7 @@ impl Problem {
             resting.iter().enumerate().flat_map(|(drive, own)| own.tried(drive, longest)).collect();
         let records: Vec<Record> = tried.iter().map(|own| own.record(longest, &resting)).collect();
         let bar = round.bar();
-        let comparison =
-            Comparison { problem: self, trials, records: &records, noise: bar.noise * bar.memory };
+        let comparison = Comparison { problem: self, trials, records: &records, noise: bar.variance() };
         let best = comparison.best(self.farthest(trials, &records)?)?;
         Ok(best.map(|(apart, Run { place, predictions })| {
             let Tried { drive, shape, amplitude, period } = tried[place];

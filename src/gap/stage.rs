@@ -538,9 +538,7 @@ impl Problem {
         // What was measured is known without a model.
         for (output, name) in self.outputs.iter().enumerate() {
             let Some(place) = names.iter().position(|own| own == name) else { continue };
-            let data = self.train.iter().map(|record| &record.outputs[output]);
-            let measured = data.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, own| widened(ends, own));
-            extents[place] = Extent::measured(measured, extents[place].ends);
+            extents[place] = Extent::measured(ends_of(&self.train, output), extents[place].ends);
         }
         let interval = self.train.iter().map(|record| record.interval).fold(f64::INFINITY, f64::min);
         let end = |record: &Record| record.since + record.interval * record.len() as f64;
@@ -658,6 +656,12 @@ impl Peaks {
     }
 }
 
+/// The ends between which an output lies.
+fn ends_of(records: &[Record], output: usize) -> [f64; 2] {
+    let tracks = records.iter().map(|record| &record.outputs[output]);
+    tracks.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, own| widened(ends, own))
+}
+
 /// Two ends, moved out so far that a track lies between them.
 fn widened(ends: [f64; 2], track: &[f64]) -> [f64; 2] {
     let there = track.iter().filter(|value| !value.is_nan());
@@ -679,7 +683,6 @@ fn noise(record: &Record, output: usize) -> f64 {
 
 /// What counts as noise of an output at least.
 fn least_noise(records: &[Record], output: usize) -> f64 {
-    let tracks = records.iter().map(|record| &record.outputs[output]);
-    let [least, most] = tracks.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, own| widened(ends, own));
+    let [least, most] = ends_of(records, output);
     LEAST_NOISE * (most - least)
 }

@@ -20,7 +20,8 @@ const TRIED_FULLY: usize = 12;
 const TRIED_AGAIN: usize = 6;
 /// What needs fewer numbers than the best is gone through with, too, where it leaves less than this times what that leaves.
 const NEAR_ENOUGH: f64 = 3.0;
-/// Trials that leave less than this times what the best leaves are looked after where they do not hold for the test.
+/// Trials that leave less than this times what the best leaves are near it: all forms of those are gone through with, and they
+/// are looked after where they do not hold for the test.
 const NEAR: f64 = 1.5;
 
 /// What is tried on a stage.
@@ -125,17 +126,22 @@ impl Trying<'_> {
         }
     }
 
-    /// What is not left at a quick look, beside what stands in some places: one law has many forms, and where one leads, the others
-    /// may, too; and a law that others have in them needs fewer numbers, though many of those may stand before it.
+    /// What is not left at a quick look, beside what stands in some places: one law has many forms, and where one is near the best,
+    /// the others may be ahead of it; and a law that others have in them needs fewer numbers, though many of those may stand before it.
     fn not_to_be_left(&self, tried: &[Tried], places: &[usize]) -> Vec<usize> {
         let of = |place: usize| Some((&self.all[place], &tried[place].as_ref()?.1));
         let best = best_of(tried, 1).first().and_then(|best| of(*best));
-        let Some((best, reached)) = best else { return Vec::new() };
+        let Some((_, reached)) = best else { return Vec::new() };
+        let leaves_less = |stage: &Stage, times: f64| stage.train.chi2 < times * reached.train.chi2;
+        let near = places.iter().filter_map(|place| of(*place)).filter(|(_, stage)| leaves_less(stage, NEAR));
+        let near: Vec<&Attached<'_>> = near.map(|(own, _)| own).collect();
         let may_lead = |place: &usize| {
             let Some((own, stage)) = of(*place).filter(|_| !places.contains(place)) else { return false };
-            let is_form = own.effect.name == best.effect.name && own.junction() == best.junction();
+            let is_form_of = |near: &&Attached<'_>| {
+                own.effect.name == near.effect.name && own.junction() == near.junction()
+            };
             let has_fewer = stage.version.fit.len() < reached.version.fit.len();
-            is_form || has_fewer && stage.train.chi2 < NEAR_ENOUGH * reached.train.chi2
+            near.iter().any(is_form_of) || has_fewer && leaves_less(stage, NEAR_ENOUGH)
         };
         (0..self.all.len()).filter(may_lead).collect()
     }

@@ -2,7 +2,7 @@
 
 /// An event is found when its place in the step is known to this share of the step.
 const FOUND: f64 = 1e-13;
-/// So many looks follow the curve; after them one in three halves.
+/// So many looks follow the curve; after them one in three halves, and both ends come nearer.
 const CURVED: usize = 6;
 /// So many make the rest smaller than the step's rounding.
 const MOST_LOOKS: usize = 150;
@@ -53,13 +53,18 @@ pub(super) fn first_event<A: Ahead>(ahead: &mut A, length: f64) -> (f64, Option<
 /// safe by halving.
 fn located<A: Ahead>(ahead: &mut A, length: f64, mut event: A::Event) -> (f64, A::Event) {
     let mut bracket = Bracket::new(ahead.excess_now(event), ahead.excess(event));
+    let mut seen = bracket.high;
     for look in 0..MOST_LOOKS {
         if bracket.width() <= FOUND {
             break;
         }
         let room = ahead.room(event);
-        let middle = bracket.guess(look > CURVED && look % 3 == 0, room == 0.0);
+        let middle = match room > 0.0 {
+            true => bracket.guess(bracket.zero(), look),
+            false => bracket.guess(bracket.beside_zero(), look),
+        };
         ahead.look(middle * length);
+        seen = middle;
         match ahead.event() {
             Some(first) if first != event => {
                 event = first;
@@ -74,7 +79,9 @@ fn located<A: Ahead>(ahead: &mut A, length: f64, mut event: A::Event) -> (f64, A
             }
         }
     }
-    ahead.look(bracket.high * length);
+    if seen < bracket.high {
+        ahead.look(bracket.high * length);
+    }
     (bracket.high, event)
 }
 
@@ -97,12 +104,18 @@ impl Bracket {
         self.high - self.low
     }
 
-    /// A place strictly between the ends: where the curve through what is known is 0, or half-way. Where it must be met from
-    /// both sides, not too near to either end.
-    fn guess(&self, halve: bool, from_both_sides: bool) -> f64 {
+    /// Just before where the curve through what is known is 0, or, where the lower end is there already, just past it: two looks
+    /// that show that it is there.
+    fn beside_zero(&self) -> f64 {
+        let zero = self.zero();
+        if zero - self.low > FOUND { zero - 0.5 * FOUND } else { zero + 0.5 * FOUND }
+    }
+
+    /// A place strictly between the ends: the one that is wanted, or half-way. After many looks it is not too near to either.
+    fn guess(&self, place: f64, look: usize) -> f64 {
         let width = self.width();
-        let place = self.zero();
-        let edge = if from_both_sides { FOUND.max(width * 1e-3) } else { FOUND } * 0.5;
+        let edge = if look > CURVED { FOUND.max(width * 1e-3) } else { FOUND } * 0.5;
+        let halve = look > CURVED && look % 3 == 0;
         if halve || !(self.low..=self.high).contains(&place) {
             self.low + 0.5 * width
         } else {

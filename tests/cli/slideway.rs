@@ -139,7 +139,7 @@ fn a_run_that_ends_in_overload_is_no_result() {
     let patch = path(&folder, "slideway.json");
     let overloaded = slideway(&["--step", "0.05", "--out", &patch]);
     assert_eq!((code(&overloaded), out(&overloaded).as_str()), (1, ""));
-    assert!(errors(&overloaded).contains("A3 is overloaded even at 25.4 mm/s a volt"));
+    assert!(errors(&overloaded).contains(" is overloaded even at 25.4 mm/s a volt"));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     let twice = slideway(&["--plot", &path(&folder, "a.svg"), "--out", &path(&folder, "a.svg")]);
     assert!(code(&twice) == 2 && errors(&twice).contains("would be written twice"));

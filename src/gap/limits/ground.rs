@@ -69,11 +69,6 @@ impl<'a> Ground<'a> {
         })
     }
 
-    /// The variance of the noise, with how long it remembers.
-    fn noise(&self) -> f64 {
-        self.bar.noise * self.bar.memory
-    }
-
     /// The sum of squares over noise that a trial with so many numbers more must take away.
     fn need(&self, numbers: usize) -> f64 {
         let samples = self.before.train.count as f64 / self.bar.memory;
@@ -105,10 +100,10 @@ impl<'a> Ground<'a> {
 
     /// By what factor such tracks are more than the search needs to take them for an effect, in squares.
     pub(super) fn margin(&self, [train, test]: &Both, need: f64) -> f64 {
-        let shown = product(train, train) / (self.noise() * need);
-        let confirmed = expected(&self.test.tracks(test), self.noise());
+        let shown = product(train, train) / (self.bar.variance() * need);
+        let confirmed = expected(&self.test.tracks(test), self.bar.variance());
         let apart = (confirmed.ratio() / CONFIRMED).powi(2);
-        shown.min(apart.max(confirmed.sum / (self.noise() * self.bar.needed)))
+        shown.min(apart.max(confirmed.sum / (self.bar.variance() * self.bar.needed)))
     }
 }
 
