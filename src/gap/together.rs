@@ -86,6 +86,7 @@ impl<'a> Bringing<'a> {
         self.check_fed(subject.patch());
         let fed = |name: &str| document.drives.iter().any(|drive| drive.wire.name.value == name);
         let fit = to_fit(subject.patch(), &fed, document.fit.as_deref(), self.findings);
+        self.check_fitted(&fit);
         let made = Experiment {
             file: String::new(),
             title: document.title.clone(),
@@ -199,6 +200,13 @@ impl<'a> Bringing<'a> {
                 format!("no column feeds a drive: {names} of the patch go on as they are written there");
             self.findings.push(Diagnostic::at(Code::UnfedDrives, named.span, message));
         }
+    }
+
+    /// Tells where nothing is fitted, and the experiment does not say so.
+    fn check_fitted(&mut self, fit: &[String]) {
+        let named = self.document.patch.as_ref().filter(|_| self.document.fit.is_none() && fit.is_empty());
+        let message = "nothing is fitted: no parameter of the patch has a range, or none that it reads";
+        self.findings.extend(named.map(|named| Diagnostic::at(Code::NothingToFit, named.span, message)));
     }
 
     fn feed(&mut self, drive: &DriveWire, subject: Option<&Subject>) -> Option<Feed> {

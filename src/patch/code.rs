@@ -149,6 +149,8 @@ codes! {
         "name the column of each";
     UnfedDrives "unfed-drives" Warning "An experiment of which no column feeds a drive of the patch."
         "name the column of each under \"drives\", if what drove the thing was measured";
+    NothingToFit "nothing-to-fit" Warning "An experiment with a patch of which no parameter can be fitted."
+        "give those a range that are not known; if all are, write \"fit\": []";
 }
 
 #[cfg(test)]
