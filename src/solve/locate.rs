@@ -115,7 +115,7 @@ impl Bracket {
     fn guess(&self, place: f64, look: usize) -> f64 {
         let width = self.width();
         let edge = if look > CURVED { FOUND.max(width * 1e-3) } else { FOUND } * 0.5;
-        let halve = look > CURVED && look % 3 == 0;
+        let halve = look > CURVED && look.is_multiple_of(3);
         if halve || !(self.low..=self.high).contains(&place) {
             self.low + 0.5 * width
         } else {
