@@ -53,18 +53,14 @@ pub(super) fn first_event<A: Ahead>(ahead: &mut A, length: f64) -> (f64, Option<
 /// safe by halving.
 fn located<A: Ahead>(ahead: &mut A, length: f64, mut event: A::Event) -> (f64, A::Event) {
     let mut bracket = Bracket::new(ahead.excess_now(event), ahead.excess(event));
-    let mut seen = bracket.high;
     for look in 0..MOST_LOOKS {
         if bracket.width() <= FOUND {
             break;
         }
         let room = ahead.room(event);
-        let middle = match room > 0.0 {
-            true => bracket.guess(bracket.zero(), look),
-            false => bracket.guess(bracket.beside_zero(), look),
-        };
+        let place = if room > 0.0 { bracket.zero() } else { bracket.beside_zero() };
+        let middle = bracket.guess(place, look);
         ahead.look(middle * length);
-        seen = middle;
         match ahead.event() {
             Some(first) if first != event => {
                 event = first;
@@ -79,7 +75,7 @@ fn located<A: Ahead>(ahead: &mut A, length: f64, mut event: A::Event) -> (f64, A
             }
         }
     }
-    if seen < bracket.high {
+    if bracket.looked_at() < bracket.high {
         ahead.look(bracket.high * length);
     }
     (bracket.high, event)
@@ -98,6 +94,11 @@ impl Bracket {
     fn new(low_excess: f64, high_excess: f64) -> Self {
         let none = [f64::NAN; 2];
         Bracket { low: 0.0, high: 1.0, latest: [[1.0, high_excess], [0.0, low_excess], none, none], known: 2 }
+    }
+
+    /// The share looked at last.
+    fn looked_at(&self) -> f64 {
+        self.latest[0][0]
     }
 
     fn width(&self) -> f64 {
