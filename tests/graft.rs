@@ -332,6 +332,22 @@ fn two_effects_in_one_drive_both_act() {
     assert!(alone.iter().zip(&found).any(|(alone, both)| (alone - both).abs() > 0.05));
 }
 
+/// Parameters and drives have names of their own, so that one of each may be called alike.
+#[test]
+fn a_setting_with_the_name_of_a_cord_stays() {
+    let text = mass(true).text().replace(r#""x1": ["F"]"#, r#""x1": ["LF"]"#);
+    let text = text.replace(r#""SF":"#, r#""LF": {"kind": "lag", "in": {"x1": ["F"]}, "time": "F"}, "SF":"#);
+    let text = text.replace(r#""m": {"#, r#""F": {"value": 0.1, "unit": "s"}, "m": {"#);
+    let patch = Patch::parse("alike.json", &text).unwrap();
+    let (sites, library) = (sites(&patch), library());
+    let all = Attached::all(library.get("saturation").unwrap(), &sites);
+    let wired = candidate(&all[0], &patch).graft.patch;
+    let lag = &wired.value()["elements"]["LF"];
+    assert_eq!(lag["time"], "F");
+    assert_ne!(lag["in"]["x1"][0], "F");
+    assert!(Circuit::new(&wired, &[]).is_ok());
+}
+
 /// Inverters that drive one another have no beginning; whoever looks for one comes back.
 #[test]
 fn inverters_in_a_ring_are_no_place_and_no_trap() {
@@ -413,11 +429,16 @@ fn a_wrong_effect_is_told_with_its_places() {
     }
     assert!(told("{\"x\": 1}").contains("an effect needs \"effect\""));
     let good = std::fs::read_to_string("patches/effects/viscous-friction.json").unwrap();
+    let own = |number: usize| {
+        format!(r#""q{number}": {{"reach": "1", "range": [0, 1], "start": [1], "description": "q"}}, "#)
+    };
+    let many = format!("\"parameters\": {{{}", (0..12).map(own).collect::<String>());
     let wrong = [
         ("\"motion\"", "\"moton\"", "\"moton\" is none of motion, store, sum, drive, level, total"),
         ("\"range\": [", "\"range\": [9e9, ", "\"range\" takes two numbers, the second above the first"),
         ("\"reach\": \"", "\"reach\": \"+", "wrong.json:"),
         ("\"at\": \"motion\",", "\"at\": \"motion\", \"free\": [\"A9\"],", "the form has no element A9"),
+        ("\"parameters\": {", many.as_str(), "an effect has 12 parameters at most"),
     ];
     for (old, new, message) in wrong {
         assert!(good.contains(old));

@@ -28,7 +28,8 @@ impl Journal {
 
     pub fn add(&mut self, one: Judged) -> Outcome<()> {
         if let Some(file) = &mut self.file {
-            writeln!(file, "{}", line(&one))?;
+            // In one piece, so that what is broken off leaves no half of a line.
+            file.write_all(format!("{}\n", line(&one)).as_bytes())?;
         }
         self.judged.push(one);
         Ok(())
@@ -61,9 +62,15 @@ fn judged(line: &Value, hidden: &Hidden) -> Outcome<Judged> {
     let number = line["number"].as_u64().ok_or("a line of the journal has no number")? as usize;
     let list = |name: &str| line[name].as_array().into_iter().flatten();
     let judgement = Judgement::ALL.into_iter().find(|own| line["judgement"] == own.as_str());
+    let truth = hidden.truth(number)?;
+    if line["hidden"] != truth.what.as_str() {
+        return Err(
+            format!("case {number} of the journal is of another seed: it hides {}", line["hidden"]).into()
+        );
+    }
     Ok(Judged {
         number,
-        truth: hidden.truth(number)?,
+        truth,
         verdict: word(&line["verdict"]),
         named: list("named").map(|own| (word(&own[0]), word(&own[1]))).collect(),
         judgement: judgement.ok_or("a line of the journal has no judgement")?,

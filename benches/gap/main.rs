@@ -27,6 +27,7 @@ use hidden::Hidden;
 use journal::Journal;
 use judged::Judged;
 use patchcord::gap::effect::Library;
+use patchcord::output;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
 
@@ -107,8 +108,8 @@ fn main() -> Outcome<()> {
     let page = page::page(&journal.judged, CASES, asked.threads);
     println!("{page}");
     if asked.writes() {
-        std::fs::write(JOURNAL, journal.text())?;
-        std::fs::write(PAGE, page)?;
+        output::write_whole(Path::new(JOURNAL), journal.text().as_bytes())?;
+        output::write_whole(Path::new(PAGE), page.as_bytes())?;
     }
     Ok(())
 }

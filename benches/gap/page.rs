@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crate::judged::{Judged, Judgement, Parameter};
+use patchcord::gap::effect::Library;
 
 /// What is told of cases whose gap is so large against the noise.
 const BANDS: [(&str, f64, f64); 3] =
@@ -13,6 +14,7 @@ const LARGE: f64 = 3.0;
 
 /// The page, of so many cases or those of them that were searched.
 pub fn page(judged: &[Judged], cases: usize, threads: usize) -> String {
+    let effects = Library::shipped().iter().count();
     let searched = match judged.len() {
         all if all == cases => cases.to_string(),
         some => format!("{some} of {cases}"),
@@ -23,7 +25,7 @@ pub fn page(judged: &[Judged], cases: usize, threads: usize) -> String {
          this one (`benches/hidden`) and holds itself against closed solutions first, with other shapes of the same laws; the truth lies apart. `cargo bench --bench gap` makes them and writes this page;\n\
          [hidden-effects.jsonl](hidden-effects.jsonl) has every case: what was hidden, what was said, the parameters with their true values and intervals, what was left of the data held back.\n\n\
          *Gap over noise* is the rms that the best refitted base leaves, over the standard deviation of the noise. *Among two*: the data cannot tell, and one of both is the truth. *An alias*: what is named is another effect, which\n\
-         some data cannot tell from the hidden one ([effects.md](effects.md) says which); *wrong name* are all others. *Within 10 % of the noise*: the true laws, refitted, leave the noise itself of the data held back, so what is left of these is held against that. Every case has 2400 samples to train on and 22 effects to try.\n\n"
+         some data cannot tell from the hidden one ([effects.md](effects.md) says which); *wrong name* are all others. *Within 10 % of the noise*: the true laws, refitted, leave the noise itself of the data held back, so what is left of these is held against that. Every case has 2400 samples to train on and {effects} effects to try.\n\n"
     );
     text += &measures(judged, threads);
     text += "\n## What was said, by what is hidden\n\n";

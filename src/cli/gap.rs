@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::thread;
 
 use super::failure::{Failure, tell_report};
+use super::files::check_not;
 use super::gap_files::Folder;
 use super::numbers::seed;
 use super::progress::Bar;
@@ -57,6 +58,9 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
     let library = effects::known(arguments.effects.as_deref())?;
     if arguments.check {
         return checked(arguments, &experiment, &library);
+    }
+    if let (Some(effects), Some(out)) = (&arguments.effects, &arguments.out) {
+        check_not("the folder of effects", effects, [out].into_iter())?;
     }
     let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, &experiment)).transpose()?;
     let (problem, outcome) = searched(arguments, &experiment, &library)?;

@@ -65,6 +65,7 @@ impl<'f> Folder<'f> {
         let mut patch = |file: &str, patch: Result<Option<Patch>, ModelError>| {
             left(file, patch?.as_ref().map(Patch::text))
         };
+        let page = page::page(told).map_err(|error| Failure::data(error.to_string()))?;
         let name = |file: &str| self.folder.join(file).display().to_string();
         let augmented = patch(AUGMENTED, outcome.augmented(experiment, &name(AUGMENTED)))?;
         let fitted = patch(FITTED, outcome.fitted(experiment, &name(FITTED)).map(Some))?;
@@ -77,7 +78,6 @@ impl<'f> Folder<'f> {
         document["patch"] = augmented.or_else(|| fitted.clone()).into();
         document["fitted"] = fitted.into();
         document["recovered"] = recovered.into();
-        let page = page::page(told).map_err(|error| Failure::data(error.to_string()))?;
         done += &wrote(&self.folder.join(REPORT), format!("{document:#}\n").as_bytes())?;
         done += &wrote(&self.folder.join(PAGE), page.as_bytes())?;
         Ok(done)

@@ -63,9 +63,8 @@ fn place(found: &[Whereabouts]) -> String {
     let mut table = Table::new(["at", "unit", "closes of the gap over time", "evidence", "goes with"]);
     for own in found {
         let share = format!("{} %", number(100.0 * own.explains));
-        let cells = [own.junction.clone(), own.unit.clone(), share, number(own.evidence)];
-        let [at, unit, share, evidence] = cells;
-        table.row([at, unit, share, evidence, goes_with(own)]);
+        let (at, unit) = (own.junction.clone(), own.unit.clone());
+        table.row([at, unit, share, number(own.evidence), goes_with(own)]);
     }
     text += &table.text();
     text

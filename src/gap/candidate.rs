@@ -9,6 +9,8 @@ use crate::patch::{EditError, Patch};
 const MOST_STEPS: u32 = 4;
 /// From so many points a fit may begin,
 const MOST_STARTS: usize = 24;
+/// So many of what their parameters may begin with together are gone through at most to find these.
+const MOST_JOINED: usize = 10_000;
 /// and from so many without any effect.
 const MOST_SHAPES: usize = 12;
 /// A parameter that begins at so many values or more has many valleys.
@@ -65,8 +67,10 @@ impl Candidate {
             measured.split_first().map_or((None, [].as_slice()), |(first, shape)| (Some(first), shape));
         let over_shapes = |sizes: Vec<f64>, most| {
             let sizes = sizes.into_iter().map(|size| vec![size]).collect();
-            let points = shape.iter().fold(sizes, each_with);
-            thinned(points, most)
+            let joined = |points: Vec<Vec<f64>>, own: &Measured| {
+                each_with(thinned(points, MOST_JOINED / own.starts.len().max(1)), own)
+            };
+            thinned(shape.iter().fold(sizes, joined), most)
         };
         let none = first.and_then(|first| first.none);
         let starts = first.map(|first| first.starts.clone()).unwrap_or_default();

@@ -3,6 +3,7 @@
 use indexmap::{IndexMap, IndexSet};
 use serde_json::{Map, Value, json};
 
+use super::clock::{RECORD_START, is_told_the_start};
 use super::effect::{Attachment, Effect, Form, Gives, Reads};
 use super::reach::{Extent, Largest};
 use super::site::{Junction, Reading, Sites, Total};
@@ -204,9 +205,6 @@ impl<'a> Role<'a> {
         }
     }
 }
-
-/// The parameter that says when a record begins, in seconds from where its file begins: laws that go by the clock need it.
-pub const RECORD_START: &str = "record_start";
 
 /// A parameter that a graft brings into the patch.
 #[derive(Debug, Clone, PartialEq)]
@@ -422,7 +420,7 @@ impl<'a> Wiring<'a> {
                 let inputs = self.inputs.clone().into_iter().chain([input]).collect();
                 self.others.push((instance.clone(), inputs));
             }
-            replug(self.element(&total.to), &total.from, &format!("{instance}.{}", Gives::Out.word()));
+            self.replug(&total.to, &total.from, &format!("{instance}.{}", Gives::Out.word()));
         }
     }
 
@@ -451,16 +449,25 @@ impl<'a> Wiring<'a> {
         let is_own = |name: &str| !name.contains('.');
         for (name, entry) in patch.elements.iter().filter(|(name, _)| is_own(name)) {
             if entry.plugs.iter().any(|plug| plug.from.value == reading.at) {
-                replug(self.element(name), &reading.at, &out);
+                self.replug(name, &reading.at, &out);
             }
         }
         for (name, instance) in patch.instances.iter().filter(|(name, _)| is_own(name)) {
             for (port, inlet) in &instance.inputs {
                 if inlet.driver.as_ref() == Some(&reading.at) {
-                    replug(&mut self.element(name)[port], &reading.at, &out);
+                    put_into(&mut self.element(name)[port], &reading.at, &out);
                 }
             }
         }
+    }
+
+    /// Puts other cords into the jacks of an element; a setting may have the same name as a cord.
+    fn replug(&mut self, name: &str, from: &str, to: &str) {
+        let kind = self.patch.elements[name].kind;
+        let Some(entries) = self.element(name).as_object_mut() else { return };
+        let is_jack = |key: &str| !["kind", "note", "uses"].contains(&key) && kind.setting(key).is_none();
+        let jacks = entries.iter_mut().filter(|(key, _)| is_jack(key));
+        jacks.for_each(|(_, jack)| put_into(jack, from, to));
     }
 
     fn graft(mut self) -> Result<Graft, EditError> {
@@ -526,9 +533,7 @@ impl<'a> Wiring<'a> {
     }
 
     fn goes_by_the_clock(&self) -> bool {
-        let drives = self.attached.form.drives.values().filter_map(Value::as_object);
-        let mut settings = drives.flat_map(|drive| drive.values()).filter_map(Value::as_str);
-        settings.any(|setting| setting.contains(RECORD_START))
+        self.attached.form.drives.values().any(is_told_the_start)
     }
 
     /// The fragment as a macro.
@@ -651,17 +656,12 @@ fn put(edits: &mut Vec<Edit>, patch: &Patch, section: &str, name: &str, value: V
     }
 }
 
-/// Puts other cords into the jacks of an element.
-fn replug(element: &mut Value, from: &str, to: &str) {
-    match element {
+/// Puts other cords into jacks.
+fn put_into(jacks: &mut Value, from: &str, to: &str) {
+    match jacks {
         Value::String(text) if text == from => *text = to.to_owned(),
-        Value::Array(items) => items.iter_mut().for_each(|item| replug(item, from, to)),
-        Value::Object(entries) => {
-            let cords = entries
-                .iter_mut()
-                .filter(|(key, _)| !["kind", "note", "setting", "uses"].contains(&key.as_str()));
-            cords.for_each(|(_, value)| replug(value, from, to));
-        }
+        Value::Array(items) => items.iter_mut().for_each(|item| put_into(item, from, to)),
+        Value::Object(entries) => entries.values_mut().for_each(|item| put_into(item, from, to)),
         _ => (),
     }
 }

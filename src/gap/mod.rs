@@ -9,6 +9,7 @@
 pub mod beyond;
 pub mod blind;
 pub mod candidate;
+mod clock;
 mod come;
 pub mod correlation;
 mod dice;

@@ -2,13 +2,16 @@
 
 use serde_json::{Value, json};
 
+use super::clock::RECORD_START;
 use super::experiment::Feed;
-use super::graft::{RECORD_START, own_name};
+use super::graft::own_name;
 use super::record::Record;
 use crate::circuit::Circuit;
 use crate::patch::{Edit, EditError, Patch, Phase, Report};
 use crate::program::Program;
-use crate::solve::{self, Backend, FeedError, RunError, RunSettings, preset, run_abreast};
+use crate::solve::{
+    self, Backend, FeedError, LEAST_TOLERANCE, Machine, RunError, RunSettings, preset, run_abreast,
+};
 use crate::trace::Trace;
 
 /// Ranges above 0 whose ends differ by more than this factor are gone through by factors.
@@ -38,27 +41,32 @@ impl Knob {
 
     /// A value as a share of the way from the least to the largest.
     pub(super) fn share(&self, value: f64) -> f64 {
-        let [low, high] = self.range;
-        if self.is_wide() { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) }
+        share(self.range, value)
     }
 
     /// The value at a share of the way.
     pub(super) fn at(&self, share: f64) -> f64 {
         let [low, high] = self.range;
-        let value = if self.is_wide() { low * (high / low).powf(share) } else { low + share * (high - low) };
+        let value =
+            if is_wide(self.range) { low * (high / low).powf(share) } else { low + share * (high - low) };
         value.clamp(low, high)
     }
 
     /// The derivative of the value by its share of the way.
     pub(super) fn slope(&self, value: f64) -> f64 {
         let [low, high] = self.range;
-        if self.is_wide() { value * (high / low).ln() } else { high - low }
+        if is_wide(self.range) { value * (high / low).ln() } else { high - low }
     }
+}
 
-    fn is_wide(&self) -> bool {
-        let [low, high] = self.range;
-        low > 0.0 && high > WIDE * low
-    }
+/// A value as a share of the way through a range: by factors where that is wide.
+pub(super) fn share(range: [f64; 2], value: f64) -> f64 {
+    let [low, high] = range;
+    if is_wide(range) { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) }
+}
+
+fn is_wide([low, high]: [f64; 2]) -> bool {
+    low > 0.0 && high > WIDE * low
 }
 
 /// A patch ready to be run beside records.
@@ -252,7 +260,8 @@ pub struct Choice {
 /// The integrators and lags of a patch, those inside macros left out, and the voltages with which they begin.
 fn states(patch: &Patch) -> Result<Vec<(String, f64)>, ModelError> {
     let program = Program::new(&Circuit::new(patch, &[])?)?;
-    let machine = crate::solve::Machine::new(&program, 1e-3)?;
+    // Nothing is run, so there is no step that a lag could be too short for.
+    let machine = Machine::adaptive(&program, LEAST_TOLERANCE, 1.0)?;
     let all = program.states().into_iter().zip(machine.states());
     let own = all.filter(|(element, _)| !element.contains('.'));
     Ok(own.map(|(element, volts)| (element.to_owned(), *volts)).collect())
@@ -336,5 +345,26 @@ fn plan(record: &Record, outputs: &[String], steps: u32) -> RunSettings {
         record: outputs.to_vec(),
         sensitivities: Vec::new(),
         backend: Backend::default(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn how_a_patch_begins_does_not_depend_on_how_quick_its_lags_are() {
+        let text = r#"{"patchcord": 1,
+            "elements": {"L1": {"kind": "lag", "in": {"x1": ["L1"]}, "time": 1e-6, "initial": 5}},
+            "run": {"for": 1e-5, "step": 1e-7}}"#;
+        let patch = Patch::parse("quick.json", text).unwrap();
+        assert_eq!(states(&patch).unwrap(), [("L1".to_owned(), 5.0)]);
+    }
+
+    #[test]
+    fn a_wide_range_is_gone_through_by_factors() {
+        assert!((share([1.0, 1e8], 50.0) - 50f64.ln() / 1e8f64.ln()).abs() < 1e-12);
+        assert!((share([1e-3, 1e4], 1e-4) + 1.0 / 7.0).abs() < 1e-12);
+        assert!((share([0.0, 1e4], 5e3) - 0.5).abs() < 1e-12);
     }
 }

@@ -7,8 +7,8 @@ use std::path::{Component, Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::candidate::Candidate;
+use super::clock::RECORD_START;
 use super::experiment::Experiment;
-use super::graft::RECORD_START;
 use super::model::{ModelError, begun};
 use super::round::Round;
 use super::search::Outcome;
@@ -47,7 +47,7 @@ impl Outcome {
     pub fn recovered(&self, experiment: &Experiment, file: &str) -> Result<Option<Patch>, ModelError> {
         let Some(found) = self.unnamed() else { return Ok(None) };
         let (force, before) = (force(found), left(&self.base));
-        let closes = found.best.map_or(found.explains, |best| found.curves[best].explains);
+        let closes = found.wired().map_or(found.explains, |curve| curve.explains);
         let share = number(100.0 * closes);
         let told =
             format!("with a force {force}. Before: {before} The force closes {share} % of that in training.");
@@ -157,8 +157,8 @@ fn left(stage: &Stage) -> String {
 }
 
 fn force(found: &Whereabouts) -> String {
-    match found.best {
-        Some(_) => format!("at {}, a function of {}", found.junction, found.best_against()),
+    match found.wired() {
+        Some(curve) => format!("at {}, a function of {}", found.junction, curve.against),
         None => format!("at {}, a table over the time of the first record", found.junction),
     }
 }

@@ -22,7 +22,7 @@ pub struct Record {
     /// The samples of every drive, in the unit of its scale. Where rows are missing, straight from the sample before to the
     /// one behind, or as the one before, as the drive is held.
     pub drives: Vec<Vec<f64>>,
-    /// The samples of every output, in the unit of its signal; NaN where a row is missing. The first and the last are there.
+    /// The samples of every output, in the unit of its signal; NaN where a row is missing.
     pub outputs: Vec<Vec<f64>>,
 }
 

@@ -4,15 +4,14 @@ use std::ops::AddAssign;
 
 use super::fit::Fitted;
 
-/// The residuals of all records and outputs one after the other, where there are data.
-fn series(fitted: &Fitted) -> impl Iterator<Item = Vec<f64>> + '_ {
-    let tracks = fitted.residuals.iter().flatten();
-    tracks.map(|track| track.iter().copied().filter(|value| !value.is_nan()).collect())
+/// The residuals of a track where there are data.
+fn there(track: &[f64]) -> Vec<f64> {
+    track.iter().copied().filter(|value| !value.is_nan()).collect()
 }
 
 /// Over how many samples residuals remember: 1 + 2 (sum of the autocorrelations), up to where these are lost in chance.
 pub fn memory(fitted: &Fitted) -> f64 {
-    let times = series(fitted).map(|track| {
+    let times = fitted.residuals.iter().flatten().map(|track| there(track)).map(|track| {
         let lost = 2.0 / (track.len() as f64).sqrt();
         let correlated = autocorrelations(&track, track.len() / 4).take_while(|own| *own > lost);
         (1.0 + 2.0 * correlated.sum::<f64>(), track.len() as f64)
@@ -39,18 +38,33 @@ pub(super) fn lags(samples: usize) -> usize {
 }
 
 /// How far the residuals are from white noise, in standard deviations of what chance would bring: Ljung and Box over
-/// [`lags`].
+/// [`lags`], of every output the sum over all records, and of the outputs the largest. Q of n records is distributed as
+/// chi-squared with the sum of their lags: its mean, half its variance.
 pub fn colour(fitted: &Fitted) -> f64 {
-    let all = series(fitted).map(|track| {
-        let count = track.len() as f64;
-        let lags = lags(track.len());
-        let sum: f64 = autocorrelations(&track, lags + 1)
-            .enumerate()
-            .map(|(place, own)| own * own / (count - place as f64 - 1.0))
-            .sum();
-        (count * (count + 2.0) * sum - lags as f64) / (2.0 * lags as f64).sqrt()
+    let outputs = fitted.residuals.first().map_or(0, Vec::len);
+    let all = (0..outputs).map(|output| {
+        let tracks = fitted.residuals.iter().map(|record| there(&record[output]));
+        // A track that is left without a rest tells nothing.
+        let told = tracks.map(|track| ljung_box(&track)).filter(|(sum, _)| !sum.is_nan());
+        let (sum, lags) = told.fold((0.0, 0.0), add);
+        (sum - lags) / f64::sqrt(2.0 * lags)
     });
     all.fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn add(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    (a.0 + b.0, a.1 + b.1)
+}
+
+/// Ljung and Box's Q of a track, and over how many lags.
+fn ljung_box(track: &[f64]) -> (f64, f64) {
+    let count = track.len() as f64;
+    let lags = lags(track.len());
+    let sum: f64 = autocorrelations(track, lags + 1)
+        .enumerate()
+        .map(|(place, own)| own * own / (count - place as f64 - 1.0))
+        .sum();
+    (count * (count + 2.0) * sum, lags as f64)
 }
 
 /// By how much one fit lies above another, block by block.
@@ -132,6 +146,7 @@ pub(super) fn together<T: AddAssign>(outputs: impl Iterator<Item = Vec<T>>) -> V
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::gap::dice::normal;
     use crate::gap::fit::Point;
 
     /// A fit that leaves these tracks: by record, of every output.
@@ -158,6 +173,20 @@ pub(super) mod tests {
         let tracks = [track.as_slice(), &track];
         let [alone, both] = [vec![tracks[0]], tracks.to_vec()].map(|own| expected(&[own], 0.0).ratio());
         assert!((both - alone).abs() < 1e-9, "{both} {alone}");
+    }
+
+    #[test]
+    fn many_records_of_noise_are_no_further_from_it_than_one() {
+        let records = |seed: u64, count: usize, length: usize| {
+            let drawn = normal(seed, count * length);
+            fitted(drawn.chunks(length).map(|own| vec![own.to_vec()]).collect())
+        };
+        let told =
+            |count, length| (0..20).filter(|seed| colour(&records(*seed, count, length)) > 4.0).count();
+        assert_eq!([told(1, 400), told(50, 40), told(250, 40), told(50, 400)], [0; 4]);
+        let slow = |own: &[f64]| own.windows(2).map(|pair| pair[1] + 0.6 * pair[0]).collect::<Vec<_>>();
+        let remembers = records(0, 50, 40).residuals.iter().map(|own| vec![slow(&own[0])]).collect();
+        assert!(colour(&fitted(remembers)) > 6.0);
     }
 
     #[test]

@@ -3,13 +3,14 @@
 use serde_json::json;
 
 use super::candidate::Candidate;
+use super::clock::begun_anew;
 use super::effort::{Effort, Starts};
 use super::examine::{NoiseKind, examine, peaks};
 use super::experiment::{Experiment, Feed};
 use super::fit::{Fitted, MANY_DAMPINGS, MOST_ROUNDS, ONE_DAMPING, Point, SETTLED_SHARE, Task};
 use super::graft::{Attached, Brought, Place, Role};
 use super::intervals::Known;
-use super::model::{Choice, Course, Model, ModelError};
+use super::model::{Choice, Course, Model, ModelError, share};
 use super::reach::{Extent, Largest};
 use super::record::Record;
 use super::score::{colour, memory};
@@ -34,6 +35,8 @@ pub struct Problem {
     pub train: Vec<Record>,
     /// The same cut into pieces, over which errors cannot grow far.
     pub pieces: Vec<Record>,
+    /// into so many each, if it is long enough.
+    pub(super) cuts: usize,
     /// Records to confirm with.
     pub test: Vec<Record>,
     /// Whether the records are pieces already, as the experiment asks.
@@ -148,7 +151,8 @@ impl Stage {
         let fitted = ranges.zip(&self.train.point.knobs).enumerate();
         fitted.filter_map(move |(place, (range, value))| {
             let (low, high) = range?;
-            is_so([value - low, high - value].map(|inside| inside / (high - low))).then_some(place)
+            let inside = share([low, high], *value);
+            is_so([inside, 1.0 - inside]).then_some(place)
         })
     }
 
@@ -267,6 +271,9 @@ impl Problem {
         let drive_sigma = experiment.drives.iter().enumerate();
         let drive_sigma =
             drive_sigma.map(|(place, feed)| feed.sigma.unwrap_or_else(|| largest(drive_noise, place)));
+        // A drive of the patch would begin anew with every piece.
+        let is_fed = |name: &str| experiment.drives.iter().any(|feed| feed.drive == name);
+        let cuts = if begun_anew(&experiment.patch, is_fed).next().is_some() { 1 } else { PIECES };
         let mut problem = Problem {
             drives: experiment.drives.clone(),
             drive_sigma: drive_sigma.collect(),
@@ -274,7 +281,8 @@ impl Problem {
             sigma: sigma.collect(),
             offset: experiment.outputs.iter().map(|output| output.offset).collect(),
             train: cut(&experiment.train),
-            pieces: experiment.train.iter().flat_map(|record| record.pieces(PIECES, LEAST_PIECE)).collect(),
+            pieces: experiment.train.iter().flat_map(|record| record.pieces(cuts, LEAST_PIECE)).collect(),
+            cuts,
             test: cut(&experiment.test),
             is_cut: experiment.pieces.is_some(),
             steps: 1,
@@ -419,7 +427,7 @@ impl Problem {
         let mut first = 0;
         let initial = self.train.iter().map(|record| {
             let own = point.initial[first].clone();
-            first += record.pieces(PIECES, LEAST_PIECE).len();
+            first += record.pieces(self.cuts, LEAST_PIECE).len();
             own
         });
         Point { initial: initial.collect(), ..point.clone() }

@@ -175,6 +175,7 @@ pub(in crate::gap) mod tests {
             offset: vec![false],
             train: records.clone(),
             pieces: records.clone(),
+            cuts: 1,
             test: records,
             is_cut: false,
             steps,

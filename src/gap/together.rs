@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::clock::begun_anew;
 use super::document::{Document, DriveWire, Held, Hold, OutputWire, Source, Wire};
 use super::experiment::{Experiment, Feed, LEAST_SAMPLES, Output};
 use super::fittable::to_fit;
@@ -83,7 +84,7 @@ impl<'a> Bringing<'a> {
         let pieces = document.pieces.as_ref().map(|pieces| pieces.value * seconds);
         self.check_pieces(pieces, &train, &test);
         let subject = subject?;
-        self.check_fed(subject.patch());
+        self.check_fed(subject.patch(), [&train, &test], pieces);
         let fed = |name: &str| document.drives.iter().any(|drive| drive.wire.name.value == name);
         let fit = to_fit(subject.patch(), &fed, document.fit.as_deref(), self.findings);
         self.check_fitted(&fit);
@@ -187,19 +188,30 @@ impl<'a> Bringing<'a> {
         }
     }
 
-    /// Tells where all that moves the patch is its own; steps are mostly constants.
-    fn check_fed(&mut self, patch: &Patch) {
-        let moving = patch.drives.iter().filter(|(_, drive)| drive.kind.name != "step");
-        let names: Vec<&str> = moving.map(|(name, _)| name.as_str()).collect();
-        let Some(named) = self.document.patch.as_ref().filter(|_| self.document.drives.is_empty()) else {
-            return;
+    /// Tells of drives that move as the patch has them, which begin with every record; where one begins later than they do, they
+    /// would be wrong.
+    fn check_fed(&mut self, patch: &Patch, records: [&[Record]; 2], pieces: Option<f64>) {
+        let Document { patch: named, drives, .. } = self.document;
+        let is_fed = |name: &str| drives.iter().any(|drive| drive.wire.name.value == name);
+        let own: Vec<&str> = begun_anew(patch, is_fed).collect();
+        let Some(named) = named.as_ref().filter(|_| !own.is_empty()) else { return };
+        let own = own.join(", ");
+        let later = records.into_iter().flatten().find(|record| record.since > 0.0);
+        let later = match pieces {
+            Some(_) => Some("a piece".to_owned()),
+            None => later.map(|record| format!("what {} has from {} s on", record.name, told(record.begin))),
         };
-        if !names.is_empty() {
-            let names = names.join(", ");
-            let message =
-                format!("no column feeds a drive: {names} of the patch go on as they are written there");
-            self.findings.push(Diagnostic::at(Code::UnfedDrives, named.span, message));
-        }
+        let (code, message) = match later {
+            Some(later) => {
+                let begins = "begins anew with every record, which would be wrong for";
+                (Code::DriveBeginsAnew, format!("no column feeds {own} of the patch: it {begins} {later}"))
+            }
+            None => (
+                Code::UnfedDrives,
+                format!("no column feeds {own} of the patch: it goes on as written there"),
+            ),
+        };
+        self.findings.push(Diagnostic::at(code, named.span, message));
     }
 
     /// Tells where nothing is fitted, and the experiment does not say so.

@@ -155,9 +155,10 @@ impl Problem {
 
     /// Slow noise of an output that explains what is left better than a force of this evidence.
     pub(super) fn slow_noise(&self, stage: &Stage, evidence: f64) -> Option<SlowNoise> {
+        let intervals: Vec<f64> = self.train.iter().map(|record| record.interval).collect();
         let each = self.outputs.iter().enumerate().map(|(output, name)| {
-            let (likely, samples) = slowness(&stage.train, output);
-            (likely, SlowNoise { output: name.clone(), seconds: samples * self.train[0].interval })
+            let (likely, seconds) = slowness(&stage.train, &intervals, output);
+            (likely, SlowNoise { output: name.clone(), seconds })
         });
         let each: Vec<(f64, SlowNoise)> = each.collect();
         let all: f64 = each.iter().map(|(likely, _)| likely.max(0.0)).sum();
@@ -167,21 +168,24 @@ impl Problem {
 }
 
 /// How likely it is that what is left of an output is slow noise beside white noise, as the logarithm over that of white noise alone,
-/// and over how many samples it remembers.
-fn slowness(fitted: &Fitted, output: usize) -> (f64, f64) {
-    let tracks: Vec<&[f64]> = fitted.residuals.iter().map(|record| record[output].as_slice()).collect();
+/// and how long it remembers; records are sampled at these intervals.
+fn slowness(fitted: &Fitted, intervals: &[f64], output: usize) -> (f64, f64) {
+    let tracks = fitted.residuals.iter().map(|record| record[output].as_slice());
+    let shortest = intervals.iter().copied().fold(f64::INFINITY, f64::min);
+    let tracks: Vec<_> = tracks.zip(intervals.iter().map(|own| own / shortest)).collect();
     let times = TIMES.map(|power| 2f64.powi(power));
-    let each = times.flat_map(|samples| VARIANCES.map(move |power| (samples, 2f64.powi(power))));
-    let likely = each.map(|(samples, variance)| (likelihood(&tracks, samples, variance), samples));
-    likely.max_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or((0.0, 1.0))
+    let each = times.flat_map(|time| VARIANCES.map(move |power| (time, 2f64.powi(power))));
+    let likely = each.map(|(time, variance)| (likelihood(&tracks, time, variance), time * shortest));
+    likely.max_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or((0.0, shortest))
 }
 
-/// Logarithm of the likelihood of tracks as white noise and noise that remembers for so many samples and has so many times its
-/// variance, over that as white noise alone; how large both are together is free. Kalman's filter of one state.
-fn likelihood(tracks: &[&[f64]], samples: f64, variance: f64) -> f64 {
-    let keeps = (-1.0 / samples).exp();
+/// Logarithm of the likelihood of tracks, each with the time from sample to sample, as white noise and noise that remembers for
+/// such a time and has so many times its variance, over that as white noise alone; how large both are together is free. Kalman's
+/// filter of one state.
+fn likelihood(tracks: &[(&[f64], f64)], time: f64, variance: f64) -> f64 {
     let (mut count, mut alone, mut misfit, mut spread) = (0.0, 0.0, 0.0, 0.0_f64);
-    for track in tracks {
+    for (track, interval) in tracks {
+        let keeps = (-interval / time).exp();
         let (mut expected, mut unsure) = (0.0, variance);
         for value in *track {
             if !value.is_nan() {
@@ -221,10 +225,10 @@ mod tests {
             let tracks = [&track[..1000], &track[1000..]];
             let residuals = tracks.map(|own| vec![own.to_vec()]).to_vec();
             let fitted = crate::gap::score::tests::fitted(residuals);
-            slowness(&fitted, 0)
+            slowness(&fitted, &[0.01, 0.01], 0)
         };
-        let (likely, samples) = best(&slow(3, (-1.0_f64 / 16.0).exp(), 4.0));
-        assert!(likely > 300.0 && (8.0..=32.0).contains(&samples), "{likely} {samples}");
+        let (likely, seconds) = best(&slow(3, (-1.0_f64 / 16.0).exp(), 4.0));
+        assert!(likely > 300.0 && (0.08..=0.32).contains(&seconds), "{likely} {seconds}");
         let (likely, _) = best(&normal(5, 2000));
         assert!(likely < 3.0, "{likely}");
     }
@@ -232,13 +236,15 @@ mod tests {
     /// Of two neighbours the likelihood is that of a plane of normal numbers.
     #[test]
     fn the_filter_gives_the_likelihood_of_its_definition() {
-        let (samples, variance, values) = (3.0_f64, 2.0_f64, [0.7, -1.1]);
-        let (all, both) = (variance + 1.0, variance * (-1.0 / samples).exp());
+        let (time, variance, values) = (3.0_f64, 2.0_f64, [0.7, -1.1]);
+        let (all, both) = (variance + 1.0, variance * (-1.0 / time).exp());
         let determinant = all * all - both * both;
         let [a, b] = values;
         let misfit = (all * (a * a + b * b) - 2.0 * both * a * b) / determinant;
         let expected = -0.5 * (2.0 * (misfit / (a * a + b * b)).ln() + determinant.ln());
-        let found = likelihood(&[&[f64::NAN, a, b]], samples, variance);
+        let found = likelihood(&[(&[f64::NAN, a, b], 1.0)], time, variance);
         assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        let further_apart = likelihood(&[(&[a, b], 0.1)], 0.1 * time, variance);
+        assert!((further_apart - expected).abs() < 1e-12, "{further_apart} {expected}");
     }
 }

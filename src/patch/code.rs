@@ -133,6 +133,8 @@ codes! {
         "fit another one, or give it a range";
     OffScale "off-scale" Error "Data of which more than one sample in a hundred lies beyond 100 V of their scale, or one beyond 100 kV: the machine would cut it off."
         "let a volt of the scale stand for more, or tell the \"unit\" of the column, if it is another; leave out a row that the recorder let slip";
+    DriveBeginsAnew "drive-begins-anew" Error "A drive that moves as the patch has it, beside a record, or a piece of one, that begins later than the drive does."
+        "feed it from a column; or list records for training and test that begin where it does; or let its formulas go by a parameter record_start, in s, which a search sets to when a record begins";
     SamplingGap "sampling-gap" Warning "Rows that are missing between others."
         "look whether the recorder lost them; what was measured then is left out";
     SharedSamples "shared-samples" Warning "Samples that are both trained and tested on, or listed twice."
@@ -147,8 +149,8 @@ codes! {
         "let a volt of the scale stand for more";
     SharedColumn "shared-column" Warning "A column that stands for two drives or outputs."
         "name the column of each";
-    UnfedDrives "unfed-drives" Warning "An experiment of which no column feeds a drive of the patch."
-        "name the column of each under \"drives\", if what drove the thing was measured";
+    UnfedDrives "unfed-drives" Warning "An experiment of which no column feeds a drive that moves in the patch."
+        "name its column under \"drives\", if what drove the thing was measured";
     NothingToFit "nothing-to-fit" Warning "An experiment with a patch of which no parameter can be fitted."
         "give those a range that are not known; if all are, write \"fit\": []";
 }

@@ -3,7 +3,7 @@
 /// An event is found when its place in the step is known to this share of the step.
 const FOUND: f64 = 1e-13;
 /// So many looks follow the curve; after them one in three halves, and both ends come nearer.
-const CURVED: usize = 6;
+const CURVED: usize = 7;
 /// So many make the rest smaller than the step's rounding.
 const MOST_LOOKS: usize = 150;
 
@@ -115,8 +115,8 @@ impl Bracket {
     /// A place strictly between the ends: the one that is wanted, or half-way. After many looks it is not too near to either.
     fn guess(&self, place: f64, look: usize) -> f64 {
         let width = self.width();
-        let edge = if look > CURVED { FOUND.max(width * 1e-3) } else { FOUND } * 0.5;
-        let halve = look > CURVED && look.is_multiple_of(3);
+        let edge = if look >= CURVED { FOUND.max(width * 1e-3) } else { FOUND } * 0.5;
+        let halve = look >= CURVED && look.is_multiple_of(3);
         if halve || !(self.low..=self.high).contains(&place) {
             self.low + 0.5 * width
         } else {

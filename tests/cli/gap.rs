@@ -296,6 +296,10 @@ fn nothing_of_the_experiment_is_written_over() {
     .unwrap();
     std::fs::write(at("again.json"), experiment.replace("augmented.json", "base.json")).unwrap();
     refused("again.json", "separate.csv is a table of the patch itself");
+    let [out, effects] = [folder.path(), &at("../").join(folder.path().file_name().unwrap())];
+    let [out, effects] = [out, effects].map(|path| path.to_str().unwrap());
+    let told = patchcord(&["gap", SLIDE, "--effects", effects, "--out", out]);
+    assert!(errors(&told).contains(" is the folder of effects itself"), "{}", errors(&told));
 }
 
 #[test]

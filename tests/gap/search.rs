@@ -86,9 +86,9 @@ fn coulomb_friction_is_named_and_no_law_that_needs_more() {
 /// So many samples that looks begin with one of the records.
 #[test]
 fn a_pump_at_its_limit_is_named_from_two_records() {
-    let experiment = read(Path::new("tests/gap/hidden/saturation/experiment.json"));
-    let mut problem = Problem::of(&experiment).unwrap();
-    problem.train.push(problem.train[0].clone());
+    let mut experiment = read(Path::new("tests/gap/hidden/saturation/experiment.json"));
+    experiment.train.push(experiment.train[0].clone());
+    let problem = Problem::of(&experiment).unwrap();
     let found = outcome(&experiment, &problem, 2);
     assert_eq!(found.sentence(), "saturation at u is missing");
     assert!(!found.last.leaves_structure());

@@ -59,6 +59,10 @@ fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> 
     let (mut parameters, mut declared) = (IndexMap::new(), Vec::new());
     fields.each("parameters", findings, |entry, findings| {
         declared.push(entry.key.as_str());
+        if declared.len() == MOST_PARAMETERS + 1 {
+            let message = format!("an effect has {MOST_PARAMETERS} parameters at most");
+            findings.push(Diagnostic::at(Code::BadNumber, entry.value.span, message));
+        }
         let read = parameter(&entry.value, &entry.key, findings);
         parameters.extend(read.map(|read| (entry.key.clone(), read)));
     });
@@ -136,6 +140,9 @@ fn check_size(reach: &Formula, span: Span, findings: &mut Findings) {
     };
     findings.push(Diagnostic::at(Code::BadNumber, span, message).hint(hint));
 }
+
+/// An effect has no more parameters than this: ranges are gone through corner by corner.
+const MOST_PARAMETERS: usize = 12;
 
 /// No parameter is searched further than this, in reaches.
 const MOST_REACHES: f64 = 1e6;

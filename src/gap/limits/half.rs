@@ -153,14 +153,14 @@ impl<'a> Half<'a> {
             }
         };
         for record in 0..self.records.len() {
-            let none = none.iter().map(|none| wired(record, none, None));
+            let without = none.iter().map(|none| wired(record, none, None));
             let lanes = strengths.iter().flat_map(|strength| {
                 let moved = [None].into_iter().chain((0..own_states).map(Some));
                 moved.map(move |moved| wired(record, strength, moved))
             });
-            let choices: Vec<Choice> = none.chain(lanes).collect();
+            let choices: Vec<Choice> = without.chain(lanes).collect();
             let mut courses = model.run(record, &choices).into_iter();
-            let here = match choices.len() > strengths.len() * (1 + own_states) {
+            let here = match none.is_some() {
                 true => courses.next().flatten().map(|course| self.over_noise(record, &course)),
                 false => Some(self.here[self.spans[record].clone()].to_vec()),
             };

@@ -98,7 +98,7 @@ fn wired(outcome: &Outcome, best: &Whereabouts) -> String {
     if outcome.unnamed().is_none() {
         return String::new();
     }
-    let how = match best.best {
+    let how = match best.wired() {
         Some(_) => "as a function generator",
         None => "as a table over time",
     };

@@ -103,7 +103,7 @@ impl At<'_> {
         let variables = self.variables(&version, &drive, &forces, &found.point)?;
         let drawn = variables.iter().filter_map(|variable| self.drawn(&sought, variable, &found, &forces));
         let mut drawn: Vec<Drawn> = drawn.collect();
-        let best = self.best(&mut drawn, &variables, &found)?;
+        let best = self.best(&mut drawn, &variables, &found);
         let recovered = match &best {
             Some((_, Some(closed))) => self.at(&closed.patch, &closed.found)?,
             _ => {
@@ -297,7 +297,7 @@ impl At<'_> {
         drawn: &mut [Drawn],
         variables: &[Variable],
         time: &Found,
-    ) -> Result<Option<(usize, Option<Closed>)>, ModelError> {
+    ) -> Option<(usize, Option<Closed>)> {
         let mut left: Vec<usize> =
             (0..drawn.len()).filter(|place| drawn[*place].curve.explains > LEAST_EXPLAINED).collect();
         for _ in 0..MOST_CLOSED {
@@ -310,10 +310,11 @@ impl At<'_> {
             let Drawn { curve, beside } = &mut drawn[place];
             let own = variables.iter().find(|own| own.name == curve.against);
             let reading = own.and_then(|own| own.reading.as_ref());
-            let closed = reading.map(|reading| self.closed(reading, curve, beside)).transpose()?.flatten();
+            // A curve with knots beyond what the machine can hold is no function generator.
+            let closed = reading.and_then(|reading| self.closed(reading, curve, beside).ok().flatten());
             let Some(closed) = closed else {
                 if curve.evidence > time.evidence {
-                    return Ok(Some((place, None)));
+                    return Some((place, None));
                 }
                 continue;
             };
@@ -325,10 +326,10 @@ impl At<'_> {
                 let numbers = closed.found.sought.iter().zip(&closed.found.errors);
                 let own = curve.points.iter_mut().zip(numbers);
                 own.for_each(|(point, (force, error))| *point = [point[0], *force, *error]);
-                return Ok(Some((place, Some(closed))));
+                return Some((place, Some(closed)));
             }
         }
-        Ok(None)
+        None
     }
 
     /// Whether a curve leaves so many times more when it is wired in than over the force of time.

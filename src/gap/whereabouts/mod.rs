@@ -138,6 +138,12 @@ impl Whereabouts {
         self.best.map_or("time", |best| &self.curves[best].against)
     }
 
+    /// The curve that the function generator of `recovered` has; nothing where that has a table over time, as what the force
+    /// goes with is no voltage of the patch or needs more than 100 V.
+    pub fn wired(&self) -> Option<&Curve> {
+        self.best.map(|best| &self.curves[best]).filter(|curve| curve.held_out.is_some())
+    }
+
     /// The longest time for which it acts, and how many others there are, in words.
     fn when(&self) -> String {
         let windows: Vec<[f64; 2]> = self.windows().collect();
