@@ -35,6 +35,12 @@ impl Journal {
         Ok(())
     }
 
+    /// Forgets what was searched.
+    pub fn begin_anew(&mut self) -> Outcome<()> {
+        self.judged.clear();
+        Ok(self.file.iter().try_for_each(|file| file.set_len(0))?)
+    }
+
     /// All of it, in the order of the cases that it has.
     pub fn text(&self) -> String {
         self.judged.iter().map(|one| format!("{}\n", line(one))).collect()

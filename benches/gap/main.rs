@@ -1,8 +1,8 @@
 //! The gap search on data in which an effect is hidden: what it names, and how often that is right.
 //!
 //!     cargo bench --bench gap                 the whole: 1000 cases, each as it is found written to docs/hidden-effects.jsonl, where a
-//!                                             search that was broken off goes on (without that file it begins anew), and in the end
-//!                                             all of them to docs/hidden-effects.md
+//!                                             search that was broken off goes on (where the file has all of them it begins anew), and
+//!                                             in the end all of them to docs/hidden-effects.md
 //!     cargo bench --bench gap -- page         docs/hidden-effects.md of what has been found so far
 //!     cargo bench --bench gap -- 60           the first 60
 //!     cargo bench --bench gap -- 41-90/7 -v   every seventh of some, each told with what was tried
@@ -102,6 +102,9 @@ fn main() -> Outcome<()> {
     let hidden = Hidden::made(asked.seed, asked.numbers.iter().copied().max().unwrap_or_default())?;
     let mut journal = Journal::read(asked.journal.as_deref(), &hidden)?;
     if !asked.only_page {
+        if asked.writes() && journal.judged.len() == CASES {
+            journal.begin_anew()?;
+        }
         search(&asked, &hidden, &mut journal)?;
     }
     journal.judged.sort_by_key(|one| one.number);

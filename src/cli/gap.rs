@@ -13,12 +13,14 @@ use clap::Args;
 use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
 use patchcord::gap::limits::Visible;
+use patchcord::gap::model::ModelError;
 use patchcord::gap::page::Told;
 use patchcord::gap::places::Places;
 use patchcord::gap::progress::{Part, Progress};
 use patchcord::gap::report::asked;
 use patchcord::gap::search::{Means, Outcome};
 use patchcord::gap::stage::Problem;
+use patchcord::patch::Patch;
 use serde_json::Value;
 
 #[derive(Args)]
@@ -66,17 +68,29 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
     let (problem, outcome) = searched(arguments, &experiment, &library)?;
     let mut document = outcome.document(&problem);
     document["doubts"] = outcome.doubts(&experiment).into();
-    for written in ["patch", "fitted", "recovered"] {
-        document[written] = Value::Null;
+    // What no file takes stands in the document itself.
+    if folder.is_none() {
+        let text = |patch: Result<Option<Patch>, ModelError>| {
+            patch.map(|patch| patch.map_or(Value::Null, |patch| patch.value().clone()))
+        };
+        document["fitted"] = text(outcome.fitted(&experiment, "fitted.json").map(Some))?;
+        document["recovered"] = text(outcome.recovered(&experiment, "recovered.json"))?;
+        let augmented = text(outcome.augmented(&experiment, "augmented.json"))?;
+        document["patch"] = if augmented.is_null() { document["fitted"].clone() } else { augmented };
     }
     document["experiment"] = asked(&experiment, &problem, arguments.seed);
     let told = Told { experiment: &experiment, problem: &problem, outcome: &outcome, library: &library };
-    let done = folder.map(|folder| folder.write(&told, &mut document)).transpose()?.unwrap_or_default();
+    let done = folder.map(|folder| folder.write(&told, &mut document)).transpose();
+    // What a search of minutes found is told, whether or not there is room for its files.
     if arguments.json {
-        return say_json(&document);
+        say_json(&document)?;
+        return done.map(|_| ());
     }
-    let gap = if done.is_empty() { "" } else { "\n" };
-    say(&format!("{}{gap}{done}", gap_report::told(&experiment, &problem, &outcome)))
+    say(&gap_report::told(&experiment, &problem, &outcome))?;
+    match done? {
+        Some(done) => say(&format!("\n{done}")),
+        None => Ok(()),
+    }
 }
 
 /// What a search is doing, in words.
@@ -121,7 +135,7 @@ fn checked(arguments: &Arguments, experiment: &Experiment, library: &Library) ->
         return say_json(&gap_check::document(experiment, &places, &visible));
     }
     say(&gap_check::told(experiment, &places))?;
-    say(&gap_check::shows(&visible(arguments, experiment, library)?))
+    say(&gap_check::shows(&visible(arguments, experiment, library)?, experiment))
 }
 
 fn visible(arguments: &Arguments, experiment: &Experiment, library: &Library) -> Result<Visible, Failure> {

@@ -38,15 +38,16 @@ pub(super) fn told(experiment: &Experiment, places: &Places) -> String {
 }
 
 /// From which strength on the data could show effects.
-pub(super) fn shows(visible: &Visible) -> String {
+pub(super) fn shows(visible: &Visible, experiment: &Experiment) -> String {
     let Visible { leaves, limits, left_out } = visible;
     let mut text: String = left_out.iter().map(|own| own.sentence() + "\n").collect();
     if limits.is_empty() {
         return text;
     }
     text += &format!(
-        "\nwhat these data could show beside the patch as fitted, if no more than noise were left ({} times that is), every effect where it shows best\n\n{}",
+        "\nwhat these data could show beside the patch as fitted, if no more than noise were left ({} times that is{}), every effect where it shows best\n\n{}",
         number(*leaves),
+        noiseless(experiment),
         weakest(limits, "weakest that would show")
     );
     let mut blind: Vec<String> = limits.iter().filter(|own| !own.is_seen()).map(Limit::named).collect();
@@ -55,6 +56,16 @@ pub(super) fn shows(visible: &Visible) -> String {
         text += &format!("\nNo strength in its range would show of {}.\n", blind.join(", "));
     }
     text
+}
+
+/// What stands for the noise of outputs that show none.
+fn noiseless(experiment: &Experiment) -> String {
+    let shown = experiment.outputs.iter().enumerate().filter(|(place, _)| !experiment.shows_noise(*place));
+    let names: Vec<&str> = shown.map(|(_, output)| output.signal.as_str()).collect();
+    match names.as_slice() {
+        [] => String::new(),
+        names => format!("; of {}, without noise, a millionth of its range counts as such", names.join(", ")),
+    }
 }
 
 /// Which effects would be tried at which place.

@@ -21,6 +21,7 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
     if !outcome.agreement.is_same {
         text += &format!("\nbefore: {}\n", outcome.agreement.sentence());
     }
+    text += &way(outcome);
     text += &place(&outcome.whereabouts);
     let told = matches!(outcome.verdict, Verdict::NothingMissing | Verdict::CannotJudge);
     if told && !outcome.limits.is_empty() {
@@ -54,6 +55,19 @@ fn gaps(problem: &Problem, outcome: &Outcome) -> Table {
         table.row([format!("{what} ({})", problem.outputs.join(", ")), cells[0].clone(), cells[1].clone()]);
     }
     table
+}
+
+/// The way to what is told, where it is longer than one effect.
+fn way(outcome: &Outcome) -> String {
+    if outcome.way.len() <= 2 {
+        return String::new();
+    }
+    let mut table = Table::new(["the way there", "train", "test"]);
+    for change in &outcome.way {
+        let [train, test] = change.left.map(number);
+        table.row([change.did.clone(), train, test]);
+    }
+    format!("\n{}", table.text())
 }
 
 /// Where and when something is missing.

@@ -3,8 +3,10 @@
 use super::fit::{Fitted, Point};
 use super::limits::Limit;
 use super::model::ModelError;
+use super::record::Record;
 use super::round::Round;
-use super::stage::{Problem, Stage};
+use super::score::colour;
+use super::stage::{COLOURED, Problem, Stage};
 use super::turned::Turned;
 use super::unrest::{NotWhite, SlowNoise};
 use crate::instruments::number;
@@ -14,7 +16,7 @@ use crate::instruments::number;
 pub enum Blind {
     /// They are no more than the numbers that are fitted.
     Few,
-    /// A constant explains them as well as the patch does.
+    /// A constant explains them as well as the patch does, or they look like noise about one.
     Still,
     /// What is left looks like noise, but of this output it is so many times its noise.
     Loud(String, f64),
@@ -67,6 +69,8 @@ impl Blind {
 const CHANGED: f64 = 2.0;
 /// What is left of them lies less than so many standard deviations above that of training by chance.
 const BY_CHANCE: f64 = 5.0;
+/// From so many samples on what looks like noise is some.
+const ENOUGH: usize = 100;
 /// What looks like noise is no more than so many times as much.
 pub(super) const LOUD: f64 = 2.0;
 
@@ -135,6 +139,20 @@ impl Problem {
             return Ok(Some(Blind::Nowhere));
         }
         Ok((!limits.iter().any(Limit::is_seen)).then_some(Blind::Effects))
+    }
+
+    /// Whether the training data look like noise about a constant; few look like that that are none.
+    pub(super) fn is_noise_alone(&self) -> bool {
+        let over_noise = |(track, sigma): (&Vec<f64>, &f64)| {
+            let there: Vec<f64> = track.iter().copied().filter(|own| !own.is_nan()).collect();
+            let about = mean(&there);
+            there.iter().map(|own| (own - about) / sigma).collect::<Vec<f64>>()
+        };
+        let of = |record: &Record| record.outputs.iter().zip(&self.sigma).map(over_noise).collect();
+        let all: Vec<Vec<Vec<f64>>> = self.train.iter().map(of).collect();
+        let is_enough = all.iter().flatten().all(|track| track.len() >= ENOUGH);
+        let is_quiet = |output: usize| mean(&squares(&all, output)) < LOUD * LOUD;
+        is_enough && (0..self.outputs.len()).all(is_quiet) && colour(&all) < COLOURED
     }
 
     /// Whether the patch explains all data when it is fitted to all: what training left open may have led it astray in what was

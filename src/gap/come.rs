@@ -3,6 +3,7 @@
 use super::candidate::Candidate;
 use super::round::{Round, Trial};
 use super::stage::Stage;
+use super::way::Change;
 
 /// Two effects are sought at once only where so much is left, in sigmas rms: of many pairs one follows what little is left by chance.
 const HOPED_FROM: f64 = 1.0;
@@ -16,9 +17,22 @@ pub(super) struct Come {
     pub effects: Vec<Candidate>,
     /// and the patch with it.
     pub stage: Stage,
+    /// How it came there.
+    pub way: Vec<Change>,
 }
 
 impl Come {
+    /// Nothing tried yet.
+    pub fn begun(base: Stage) -> Come {
+        let way = vec![Change::new("the patch as it was", &[], &base)];
+        Come { rounds: Vec::new(), effects: Vec::new(), stage: base, way }
+    }
+
+    /// Notes what was done to come here.
+    pub fn did(&mut self, what: impl Into<String>) {
+        self.way.push(Change::new(what, &self.effects, &self.stage));
+    }
+
     /// The same with a round that took nothing.
     pub fn and(&self, round: &Round) -> Come {
         let mut come = self.clone();
@@ -28,7 +42,17 @@ impl Come {
 
     /// What came of a promise: what was there before, unless more effects hold together.
     pub fn or(self, before: Come) -> Come {
-        if self.effects.len() > before.effects.len() && self.all_hold() { self } else { before }
+        if self.effects.len() > before.effects.len() && self.all_hold() {
+            return self;
+        }
+        before.after(&self, "back, as more effects do not hold together")
+    }
+
+    /// Here again from where another way led.
+    pub fn after(mut self, other: &Come, did: &str) -> Come {
+        self.way = other.way.clone();
+        self.did(did);
+        self
     }
 
     /// Whether all its effects were taken, each beside the others.
@@ -44,7 +68,14 @@ impl Come {
         only.into_iter().flat_map(|round| {
             round.hopes().into_iter().map(|place| {
                 let Trial { candidate, stage, .. } = round.trials[place].clone();
-                Come { rounds: vec![round.clone()], effects: vec![candidate], stage }
+                let did = format!(
+                    "{} is gone on from, as of two effects one may hide the other",
+                    candidate.named()
+                );
+                let mut hope =
+                    Come { rounds: vec![round.clone()], effects: vec![candidate], stage, way: Vec::new() };
+                hope.did(did);
+                hope
             })
         })
     }
@@ -55,22 +86,27 @@ impl Come {
         self.rounds.push(round);
         let is_taken = best.is_some();
         if let Some(best) = best {
+            let is_sure = self.rounds.last().is_some_and(|round| round.taken);
+            let how = if is_sure { "is taken" } else { "is gone on from, not confirmed by itself" };
+            let did = format!("{} {how}", best.named());
             self.effects.push(best.candidate);
             self.stage = best.stage;
+            self.did(did);
         }
         is_taken
     }
 
     /// Whether to go on from here with a better fit of the patch: not where its last effect would not have been taken then.
     pub fn is_bettered_by(&mut self, better: Stage) -> bool {
-        let Some(last) = self.rounds.last_mut() else {
+        if let Some(last) = self.rounds.last_mut() {
+            let Some(best) = last.refit(better) else { return false };
+            self.effects.pop();
+            self.effects.push(best.candidate);
+            self.stage = best.stage;
+        } else {
             self.stage = better;
-            return true;
-        };
-        let Some(best) = last.refit(better) else { return false };
-        self.effects.pop();
-        self.effects.push(best.candidate);
-        self.stage = best.stage;
+        }
+        self.did("the same, fitted better from where a trial had come to");
         true
     }
 
@@ -83,15 +119,22 @@ impl Come {
     /// The same without the effect in a place, with the others as they stand in this stage without it.
     pub fn less(&mut self, place: usize, others: Vec<Candidate>, without: Stage) {
         self.rounds.remove(place);
+        let dropped = self.effects[place].named();
         (self.effects, self.stage) = (others, without);
+        self.did(format!("{dropped} is dropped"));
     }
 
     /// Another round in a place, found beside the others.
     pub fn replace(&mut self, place: usize, others: Vec<Candidate>, round: Round) {
         let best = round.trials[0].clone();
+        let did = match best.candidate.is_same(&self.effects[place]) {
+            true => format!("{} is looked at again beside the others, and stays", best.named()),
+            false => format!("{} takes the place of {}", best.named(), self.effects[place].named()),
+        };
         self.effects = others;
         self.effects.insert(place, best.candidate);
         self.stage = best.stage;
         self.rounds[place] = round;
+        self.did(did);
     }
 }

@@ -368,7 +368,7 @@ impl Reading<'_> {
         let message = || {
             let gaps = (1..places.len()).filter(|row| gap(*row) > 0).count();
             format!(
-                "{} missing in {}, in {}; most of them ({}) in front of line {}",
+                "{} missing in {}, in {}; most of them ({}) in front of line {}: drives go on there from what stands before",
                 if missing == 1 { "1 row is".to_owned() } else { format!("{missing} rows are") },
                 self.path.display(),
                 plural(gaps, "place"),

@@ -52,6 +52,7 @@ mod together;
 mod trying;
 pub mod turned;
 pub mod unrest;
+pub mod way;
 pub mod whereabouts;
 
 pub use document::Hold;

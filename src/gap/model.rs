@@ -12,7 +12,7 @@ use crate::program::Program;
 use crate::solve::{
     self, Backend, FeedError, LEAST_TOLERANCE, Machine, RunError, RunSettings, preset, run_abreast,
 };
-use crate::trace::Trace;
+use crate::trace::{Overload, Trace};
 
 /// Ranges above 0 whose ends differ by more than this factor are gone through by factors.
 const WIDE: f64 = 20.0;
@@ -172,6 +172,12 @@ impl Model {
         self.run_each(record, choices.iter().map(|choice| (choice, None)), |_| true)
     }
 
+    /// The first overload of a record's run; nothing where there is none, or no run.
+    pub(super) fn overload(&self, record: usize, choice: &Choice) -> Option<Overload> {
+        let own = self.turned(record, choice, None)?;
+        run_abreast(&[own], &self.settings[record]).pop()?.ok()?.overloads().next().cloned()
+    }
+
     /// The same, and nothing where an amplifier is overloaded.
     pub(super) fn run_within_range(&self, record: usize, choices: &[Choice]) -> Vec<Option<Course>> {
         let is_within = |trace: &Trace| trace.overloads().next().is_none();
@@ -200,20 +206,31 @@ impl Model {
     ) -> Vec<Option<Course>> {
         let mut ready = Vec::new();
         let set = choices.map(|(choice, tabled)| {
-            let mut own = self.programs[record].clone();
-            let knobs = self.knobs.iter().zip(&choice.knobs);
-            let initial = self.initial.iter().zip(&choice.initial);
-            let changes: Vec<_> =
-                knobs.chain(initial).map(|(knob, value)| (knob.name.as_str(), *value)).collect();
-            let is_tabled = tabled.is_none_or(|(table, points)| table.put(&mut own, points));
-            let is_set = is_tabled && preset(&mut own, &changes).is_ok();
-            ready.extend(is_set.then_some(own));
+            let own = self.turned(record, choice, tabled);
+            let is_set = own.is_some();
+            ready.extend(own);
             is_set
         });
         let set: Vec<bool> = set.collect();
         let mut ended = run_abreast(&ready, &self.settings[record]).into_iter();
         let course = |trace: Trace| self.course(record, &trace).filter(|_| counts(&trace));
         set.into_iter().map(|is_set| is_set.then(|| ended.next()?.ok().and_then(course)).flatten()).collect()
+    }
+
+    /// The program of a record with these values; nothing where it cannot have them.
+    fn turned(
+        &self,
+        record: usize,
+        choice: &Choice,
+        tabled: Option<(Table<'_>, &[[f64; 2]])>,
+    ) -> Option<Program> {
+        let mut own = self.programs[record].clone();
+        let knobs = self.knobs.iter().zip(&choice.knobs);
+        let initial = self.initial.iter().zip(&choice.initial);
+        let changes: Vec<_> =
+            knobs.chain(initial).map(|(knob, value)| (knob.name.as_str(), *value)).collect();
+        let is_tabled = tabled.is_none_or(|(table, points)| table.put(&mut own, points));
+        (is_tabled && preset(&mut own, &changes).is_ok()).then_some(own)
     }
 
     fn course(&self, record: usize, trace: &Trace) -> Option<Course> {

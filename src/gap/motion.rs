@@ -58,6 +58,9 @@ const FEW: f64 = 0.01;
 /// but for those that no recorder of it can have read: so many times as much.
 const ABSURD: f64 = 1000.0;
 
+/// A column fills so much of its scale at least.
+const FILLED: f64 = 1e-3;
+
 /// Looks at every column of an experiment.
 pub(super) fn check(made: &Experiment, document: &Document, findings: &mut Findings) {
     let column = |(wire, noun), per_volt, unit, samples: &dyn for<'r> Fn(&'r Record) -> &'r [f64]| {
@@ -75,7 +78,11 @@ pub(super) fn check(made: &Experiment, document: &Document, findings: &mut Findi
         column(wire, output.per_volt, &output.unit, &|record| record.outputs[index].as_slice())
     });
     columns.extend(outputs);
-    findings.extend(columns.iter().filter_map(|column| column.still().or_else(|| column.beyond())));
+    findings.extend(
+        columns
+            .iter()
+            .filter_map(|column| column.still().or_else(|| column.beyond()).or_else(|| column.below())),
+    );
     findings.extend(unknown_noise(made, document));
     findings.extend(next_to_no_noise(made, document));
     findings.extend(wild_samples(made, document));
@@ -206,6 +213,19 @@ impl Column<'_> {
         let is_off = self.off > FEW || most > ABSURD * full;
         let code = if is_off { Code::OffScale } else { Code::BeyondScale };
         (most > full).then(|| Diagnostic::at(code, column.span, message()))
+    }
+
+    /// That it fills next to nothing of its scale, as where its unit is another.
+    fn below(&self) -> Option<Diagnostic> {
+        let Wire { name, column, .. } = self.wire;
+        let (most, full) = (self.trained.with(self.tested).size(), REFERENCE * self.per_volt.abs());
+        let unit = behind(self.unit.text());
+        (most < FILLED * full).then(|| {
+            let (noun, name, most, full) = (self.noun, &name.value, told(most), told(full));
+            let message =
+                format!("the column {} is no larger than {most}{unit}, and 100 V of the {noun} {name} are {full}{unit}", column.value);
+            Diagnostic::at(Code::BelowScale, column.span, message)
+        })
     }
 }
 

@@ -19,6 +19,7 @@ use super::search::{Outcome, Verdict};
 use super::separate::Separating;
 use super::settled::may_be_none;
 use super::stage::{Problem, Stage};
+use super::way::Change;
 use super::whereabouts::{Whereabouts, nearest};
 use crate::instruments::number;
 use crate::patch::behind;
@@ -75,8 +76,11 @@ impl Outcome {
         let coarse = (!self.fineness.is_enough()).then(|| self.fineness.sentence());
         let noises = self.noises(experiment).into_iter().chain(self.louder(experiment));
         let nameless = self.places.nameless_told();
+        let more = self.more_is_left();
         self.at_ends()
             .into_iter()
+            .chain(self.overload.iter().cloned())
+            .chain(more)
             .chain(self.uncertain())
             .chain(noises)
             .chain(nameless)
@@ -127,6 +131,17 @@ impl Outcome {
             format!(
                 "{} may have no strength at all, by its interval: it is named for what the data are explained better with it.",
                 effect.named()
+            )
+        })
+    }
+
+    /// What is left beside what is named, where that is no noise and the verdict does not say so.
+    fn more_is_left(&self) -> Option<String> {
+        let is_told = !self.verdict.has_names() || self.leaves_much();
+        (!is_told && self.last.leaves_structure()).then(|| {
+            let [train, test] = [&self.last.train, &self.last.test].map(|fitted| number(fitted.over_noise()));
+            format!(
+                "What is left, {train} times the noise in training and {test} on the data held back, is no noise: something smaller is missing beside what is named, or its law is another."
             )
         })
     }
@@ -190,7 +205,9 @@ impl Outcome {
                 Verdict::NothingMissing => {
                     "fitted to both, the patch explains both: what training leaves open led it astray"
                 }
-                _ => "something has changed by then, or shows there alone",
+                _ => {
+                    "something has changed by then or shows there alone, or a law is another than it seems in training"
+                }
             };
             let held = has_changed(stage, place).then(|| {
                 format!(
@@ -332,6 +349,7 @@ impl Outcome {
             "other_starts": self.agreement.document(),
             "parameters": parameters(self.told()),
             "separate": self.separating.as_ref().map(Separating::document),
+            "way": self.way.iter().map(Change::document).collect::<Vec<_>>(),
             "limits": self.limits.iter().map(Limit::document).collect::<Vec<_>>(),
             "beyond": self.beyond.as_ref().map(Beyond::document),
             "where": self.whereabouts.iter().map(Whereabouts::document).collect::<Vec<_>>(),
@@ -397,9 +415,9 @@ impl Round {
     pub fn sentence(&self) -> String {
         let Some(best) = self.trials.first() else { return "nothing fits".to_owned() };
         let held = format!(
-            "on the data held back it lowers the sum of squares by {} times that of the noise, with a standard error of {}",
+            "on the data held back it lowers the sum of squares by {} times that of the noise (95 %: {})",
             number(self.confirmed.sum),
-            number(self.confirmed.error)
+            self.confirmed.interval().map(number).join(" ... ")
         );
         let beside = match self.beside.is_empty() {
             true => String::new(),
@@ -475,6 +493,7 @@ fn parameters(stage: &Stage) -> Value {
 /// What came of a round.
 fn round_document(number: usize, round: &Round) -> Value {
     let Advantage { sum, error } = round.confirmed;
+    let interval = round.confirmed.interval();
     json!({
         "step": number,
         "tried": round.trials.len(),
@@ -483,7 +502,7 @@ fn round_document(number: usize, round: &Round) -> Value {
         "taken": round.taken,
         "tied": round.tied,
         "closes": round.closed(),
-        "confirmed": {"by": sum, "error": error},
+        "confirmed": {"by": sum, "error": error, "interval": interval},
         "from_white": round.trials.first().map(|best| best.stage.colour),
         "beside": round.beside,
         "gap": {"before": round.before.train.over_noise(), "best": round.trials.first().map(|best| best.stage.train.over_noise())},

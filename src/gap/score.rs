@@ -3,6 +3,7 @@
 use std::ops::AddAssign;
 
 use super::fit::Fitted;
+use super::intervals::TWO_SIDED_95;
 
 /// The residuals of a track where there are data.
 fn there(track: &[f64]) -> Vec<f64> {
@@ -40,10 +41,10 @@ pub(super) fn lags(samples: usize) -> usize {
 /// How far the residuals are from white noise, in standard deviations of what chance would bring: Ljung and Box over
 /// [`lags`], of every output the sum over all records, and of the outputs the largest. Q of n records is distributed as
 /// chi-squared with the sum of their lags: its mean, half its variance.
-pub fn colour(fitted: &Fitted) -> f64 {
-    let outputs = fitted.residuals.first().map_or(0, Vec::len);
+pub fn colour(residuals: &[Vec<Vec<f64>>]) -> f64 {
+    let outputs = residuals.first().map_or(0, Vec::len);
     let all = (0..outputs).map(|output| {
-        let tracks = fitted.residuals.iter().map(|record| there(&record[output]));
+        let tracks = residuals.iter().map(|record| there(&record[output]));
         // A track that is left without a rest tells nothing.
         let told = tracks.map(|track| ljung_box(&track)).filter(|(sum, _)| !sum.is_nan());
         let (sum, lags) = told.fold((0.0, 0.0), add);
@@ -88,6 +89,11 @@ impl Advantage {
     /// Both over different data.
     pub fn and(self, other: Advantage) -> Advantage {
         Advantage { sum: self.sum + other.sum, error: self.error.hypot(other.error) }
+    }
+
+    /// Between which values it lies in 95 of 100 cases.
+    pub fn interval(self) -> [f64; 2] {
+        [-1.0, 1.0].map(|side| self.sum + side * TWO_SIDED_95 * self.error)
     }
 
     /// In standard errors.
@@ -179,22 +185,22 @@ pub(super) mod tests {
     fn many_records_of_noise_are_no_further_from_it_than_one() {
         let records = |seed: u64, count: usize, length: usize| {
             let drawn = normal(seed, count * length);
-            fitted(drawn.chunks(length).map(|own| vec![own.to_vec()]).collect())
+            drawn.chunks(length).map(|own| vec![own.to_vec()]).collect::<Vec<_>>()
         };
         let told =
             |count, length| (0..20).filter(|seed| colour(&records(*seed, count, length)) > 4.0).count();
         assert_eq!([told(1, 400), told(50, 40), told(250, 40), told(50, 400)], [0; 4]);
         let slow = |own: &[f64]| own.windows(2).map(|pair| pair[1] + 0.6 * pair[0]).collect::<Vec<_>>();
-        let remembers = records(0, 50, 40).residuals.iter().map(|own| vec![slow(&own[0])]).collect();
-        assert!(colour(&fitted(remembers)) > 6.0);
+        let remembers: Vec<_> = records(0, 50, 40).iter().map(|own| vec![slow(&own[0])]).collect();
+        assert!(colour(&remembers) > 6.0);
     }
 
     #[test]
     fn a_short_track_is_no_further_from_noise_than_a_long_one() {
         let colours: Vec<f64> =
-            [12, 20, 40, 400].into_iter().map(|count| colour(&fitted(vec![vec![wave(count)]]))).collect();
+            [12, 20, 40, 400].into_iter().map(|count| colour(&[vec![wave(count)]])).collect();
         assert!(colours.iter().all(|own| own.is_finite() && own.abs() < 4.0), "{colours:?}");
         let slow = (0..30).map(|k| (0.2 * f64::from(k)).sin()).collect();
-        assert!(colour(&fitted(vec![vec![slow]])) > 4.0);
+        assert!(colour(&[vec![slow]]) > 4.0);
     }
 }

@@ -20,6 +20,7 @@ use super::stage::{Problem, Stage};
 use super::starts::Agreement;
 use super::steps::Fineness;
 use super::trying::Trying;
+use super::way::Change;
 use super::whereabouts::{Whereabouts, likeliest};
 use crate::patch::Patch;
 use crate::pool;
@@ -71,6 +72,10 @@ pub struct Outcome {
     pub rounds: Vec<Round>,
     /// What was taken in the first of these rounds.
     pub effects: Vec<Candidate>,
+    /// Which amplifier of the patch that is told of is overloaded, in a sentence, if one is.
+    pub overload: Option<String>,
+    /// How it came there, change by change.
+    pub way: Vec<Change>,
     /// The patch with all that was taken, fitted.
     pub last: Stage,
     /// The share of the gap that is left, in rms.
@@ -152,6 +157,9 @@ impl Problem {
     ) -> Result<Option<Outcome>, ModelError> {
         progress(Progress::of(Part::Base));
         let Some(base) = self.base(patch, fit, with.seed)? else { return Ok(None) };
+        if self.is_noise_alone() {
+            return self.unjudged(base, Blind::Still, with.seed).map(Some);
+        }
         if let Some(turned) = self.turned(&base, patch, fit, with.seed)? {
             return self.unjudged(base, Blind::Turned(turned), with.seed).map(Some);
         }
@@ -172,7 +180,7 @@ impl Problem {
         with: &Means<'_>,
         progress: &mut impl FnMut(Progress),
     ) -> Result<(Stage, Come, Option<Come>), ModelError> {
-        let mut come = Come { rounds: Vec::new(), effects: Vec::new(), stage: base.clone() };
+        let mut come = Come::begun(base.clone());
         let (mut bettered, mut before_promise) = (0, None);
         while come.rounds.len() < MOST_EFFECTS {
             if self.leaves_noise_of_drives(&come.stage, with.threads)? {
@@ -212,11 +220,13 @@ impl Problem {
     fn together(
         &self,
         base: &Stage,
-        come: Come,
+        mut come: Come,
         with: &Means<'_>,
         progress: &mut impl FnMut(Progress),
     ) -> Result<Come, ModelError> {
-        for mut pair in come.hopes() {
+        let hopes: Vec<Come> = come.hopes().collect();
+        for mut pair in hopes {
+            pair.way.splice(0..0, come.way.iter().cloned());
             if self.leaves_noise_of_drives(&pair.stage, with.threads)? {
                 continue;
             }
@@ -228,6 +238,7 @@ impl Problem {
             if pair.effects.len() > 1 && pair.all_hold() && !pair.stage.leaves_structure() {
                 return Ok(pair);
             }
+            come = come.after(&pair, "back, as both do not hold together, or do not leave noise");
         }
         Ok(come)
     }
@@ -240,7 +251,7 @@ impl Problem {
         with: &Means<'_>,
         progress: &mut impl FnMut(Progress),
     ) -> Result<Outcome, ModelError> {
-        let Come { mut rounds, effects, stage: last } = self.shed(&base, come, with)?;
+        let Come { mut rounds, effects, stage: last, way } = self.shed(&base, come, with)?;
         let left = last.gap() / base.gap();
         // What could be there unseen is asked where nothing was found.
         let nothing_in = rounds.first().filter(|_| effects.is_empty());
@@ -264,12 +275,14 @@ impl Problem {
         Ok(Outcome {
             verdict,
             fineness: self.fineness(if verdict.has_names() { &last } else { &base })?,
+            overload: self.overload(if verdict.has_names() { &last } else { &base })?,
             agreement: self.agreement(&base, with.seed)?,
             correlations: self.correlations(&base)?,
             places: Places::of(&base.version.patch, &self.drives, with.library)?,
             base: self.with_errors(base)?,
             rounds,
             effects,
+            way,
             last,
             left,
             whereabouts,
@@ -320,12 +333,14 @@ impl Problem {
         Ok(Outcome {
             verdict: Verdict::CannotJudge,
             fineness: self.fineness(&base)?,
+            overload: self.overload(&base)?,
             agreement: self.agreement(&base, seed)?,
             correlations: self.correlations(&base)?,
             last: self.with_errors(base.clone())?,
             base: self.with_errors(base)?,
             rounds: Vec::new(),
             effects: Vec::new(),
+            way: Vec::new(),
             left: 1.0,
             whereabouts: Vec::new(),
             limits: Vec::new(),

@@ -115,7 +115,7 @@ impl Separating {
         let differ = format!("they differ by {most} times the noise, {errors} standard errors over a record");
         match self.tells() {
             true => format!("{} would: {differ}", self.drive_in_words()),
-            false => format!("no drive of this size would: at most {differ}"),
+            false => format!("none of the drives tried would: at most {differ}"),
         }
     }
 
@@ -157,8 +157,8 @@ impl Separating {
     /// The experiment as a table: time, drives, and every output as either effect predicts it, in the units of the experiment's
     /// outputs.
     pub fn csv(&self, outputs: &[Output]) -> String {
-        let mut text =
-            format!("# drives that tell {} from {}, and what either predicts\n", self.from[0], self.from[1]);
+        let what = if self.tells() { "drives that tell" } else { "drives that come nearest to telling" };
+        let mut text = format!("# {what} {} from {}, and what either predicts\n", self.from[0], self.from[1]);
         let drives = self.feeds.iter().map(|feed| (feed.drive.clone(), feed.unit.text()));
         let unit =
             |name: &String| outputs.iter().find(|own| own.signal == *name).map_or("V", |own| own.unit.text());

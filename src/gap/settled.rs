@@ -50,6 +50,7 @@ impl Problem {
         // The same effects may have come to less before they were looked at one by one.
         if come.has_the_effects_of(&begun) && begun.stage.train.chi2 < come.stage.train.chi2 {
             (come.effects, come.stage) = (begun.effects, begun.stage);
+            come.did("the same, as it was before that");
         }
         Ok(come)
     }
@@ -181,7 +182,7 @@ mod tests {
         let (problem, library) = (Problem::of(&experiment).unwrap(), Library::shipped());
         let with = Means { library: &library, threads: 2, seed: 1 };
         let base = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
-        let mut come = Come { rounds: Vec::new(), effects: Vec::new(), stage: base.clone() };
+        let mut come = Come::begun(base.clone());
         for _ in 0..2 {
             let round = problem.round(&come.stage, &come.effects, None, &with, &mut |_| ()).unwrap();
             let best = round.trials[0].clone();
@@ -194,6 +195,7 @@ mod tests {
         let kept = problem.shed(&base, come, &with).unwrap();
         let names: Vec<&str> = kept.effects.iter().map(|own| own.effect.as_str()).collect();
         assert_eq!((names, kept.rounds.len()), (vec!["constant-bias"], 1));
+        assert!(kept.way.last().unwrap().did.ends_with(" is dropped"), "{:?}", kept.way);
         assert!(kept.stage.known.iter().all(|known| known.error.is_finite()));
     }
 }

@@ -110,7 +110,7 @@ impl Stage {
         in_pieces: Option<Point>,
         gone_through: bool,
     ) -> Stage {
-        let (colour, memory) = (colour(&train), memory(&train));
+        let (colour, memory) = (colour(&train.residuals), memory(&train));
         Stage { version, train, test, colour, memory, in_pieces, gone_through, known: Vec::new() }
     }
 
@@ -233,7 +233,7 @@ impl From<'_> {
 /// What is nearer to the end of a range, by this share of it, is at it.
 const AT_END: f64 = 1e-6;
 /// Residuals further than this from white noise are not noise.
-const COLOURED: f64 = 4.0;
+pub(super) const COLOURED: f64 = 4.0;
 /// Into so many pieces a record is cut,
 const PIECES: usize = 16;
 /// none of them shorter than so many samples.
@@ -261,16 +261,14 @@ impl Problem {
             Some(seconds) => records.iter().flat_map(|record| record.pieces_of(seconds)).collect(),
             None => records.to_vec(),
         };
-        let largest = |estimate: fn(&Record, usize) -> f64, place: usize| {
-            experiment.train.iter().map(|record| estimate(record, place)).fold(0.0, f64::max)
-        };
+        let records = &experiment.train;
         let sigma = experiment.outputs.iter().enumerate();
         let sigma = sigma.map(|(place, output)| {
-            output.sigma.unwrap_or_else(|| largest(noise, place).max(least_noise(&experiment.train, place)))
+            output.sigma.unwrap_or_else(|| largest(noise, records, place).max(least_noise(records, place)))
         });
         let drive_sigma = experiment.drives.iter().enumerate();
-        let drive_sigma =
-            drive_sigma.map(|(place, feed)| feed.sigma.unwrap_or_else(|| largest(drive_noise, place)));
+        let drive_sigma = drive_sigma
+            .map(|(place, feed)| feed.sigma.unwrap_or_else(|| largest(drive_noise, records, place)));
         // A drive of the patch would begin anew with every piece.
         let is_fed = |name: &str| experiment.drives.iter().any(|feed| feed.drive == name);
         let cuts = if begun_anew(&experiment.patch, is_fed).next().is_some() { 1 } else { PIECES };
@@ -689,7 +687,20 @@ fn noise(record: &Record, output: usize) -> f64 {
     examine(&record.outputs[output], record.interval).noise.map_or(0.0, |noise| noise.sigma)
 }
 
-/// What counts as noise of an output at least.
+/// The largest of what is estimated of a column in each of several records.
+fn largest(estimate: fn(&Record, usize) -> f64, records: &[Record], place: usize) -> f64 {
+    records.iter().map(|record| estimate(record, place)).fold(0.0, f64::max)
+}
+
+impl Experiment {
+    /// Whether an output shows noise in training, or the experiment tells some; where not, a millionth of its range counts as such.
+    pub fn shows_noise(&self, output: usize) -> bool {
+        let records = &self.train;
+        self.outputs[output].sigma.is_some() || largest(noise, records, output) > least_noise(records, output)
+    }
+}
+
+/// What counts as noise of an output at least, in its unit.
 fn least_noise(records: &[Record], output: usize) -> f64 {
     let [least, most] = ends_of(records, output);
     LEAST_NOISE * (most - least)

@@ -204,11 +204,14 @@ impl<'a> Bringing<'a> {
         let (code, message) = match later {
             Some(later) => {
                 let begins = "begins anew with every record, which would be wrong for";
-                (Code::DriveBeginsAnew, format!("no column feeds {own} of the patch: it {begins} {later}"))
+                (
+                    Code::DriveBeginsAnew,
+                    format!("no column feeds {own} of the patch: what moves there {begins} {later}"),
+                )
             }
             None => (
                 Code::UnfedDrives,
-                format!("no column feeds {own} of the patch: it goes on as written there"),
+                format!("no column feeds {own} of the patch: what moves there goes on as it is written"),
             ),
         };
         self.findings.push(Diagnostic::at(code, named.span, message));

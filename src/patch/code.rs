@@ -147,6 +147,8 @@ codes! {
         "write the range that is meant: what lies beyond the data is left out";
     BeyondScale "beyond-scale" Warning "A few data for which 100 V of their scale are not enough."
         "let a volt of the scale stand for more";
+    BelowScale "below-scale" Warning "A column that fills less than a thousandth of its scale."
+        "tell the \"unit\" of the column, if it is another than that of the scale; else let a volt of the scale stand for less";
     SharedColumn "shared-column" Warning "A column that stands for two drives or outputs."
         "name the column of each";
     UnfedDrives "unfed-drives" Warning "An experiment of which no column feeds a drive that moves in the patch."

@@ -205,3 +205,11 @@ fn what_can_be_changed_together_is_told() {
     assert!(told.starts_with("These data do not tell M, k, c: their values"), "{told}");
     assert_eq!(untold(0.1), None);
 }
+
+/// Of a sensor that is not connected, or a thing that is held fast: a friction that nothing overcomes would explain it.
+#[test]
+fn noise_alone_is_explained_by_nothing() {
+    let (experiment, problem) = swinging(600, 10.0, 0.0);
+    let found = searched_for(&["coulomb-friction"], &experiment, &problem);
+    assert_eq!((found.verdict, &found.blind), (Verdict::CannotJudge, &Some(Blind::Still)));
+}

@@ -18,7 +18,7 @@ use super::graft::Attached;
 use super::model::ModelError;
 use super::round::{Bar, LeftOut, Round};
 use super::search::Means;
-use super::stage::{Problem, Stage, Version};
+use super::stage::{Problem, Stage, Untried, Version};
 use crate::instruments::number;
 use crate::patch::{Patch, behind};
 use crate::pool;
@@ -89,7 +89,11 @@ impl Problem {
         let (sites, peaks) = (self.sites(base)?, self.peaks(base)?);
         let (mut wired, mut left_out) = (Vec::new(), Vec::new());
         for attached in with.library.iter().flat_map(|effect| Attached::all(effect, &sites)) {
-            match self.wired(base, &attached, &peaks) {
+            let runs = |own: (Candidate, Version)| match self.model(&own.1, &self.train, &self.outputs) {
+                Ok(_) => Ok(own),
+                Err(why) => Err(Untried::Model(why)),
+            };
+            match self.wired(base, &attached, &peaks).and_then(runs) {
                 Ok(own) => wired.push(own),
                 Err(why) => left_out.push(LeftOut::of(&attached, &why)),
             }

@@ -27,7 +27,7 @@ pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
             text += &told.pictures(&[("before", base), ("after", last)])?;
         }
         text += "<p>The patch with what was missing is <a href=\"augmented.json\">augmented.json</a>: \
-                 <code>patchcord run augmented.json</code> runs it, <code>patchcord draw augmented.json</code> draws it.</p>\n";
+                 <code>patchcord run augmented.json</code> runs it, <code>patchcord draw augmented.json --plot augmented.svg</code> draws it.</p>\n";
     }
     Ok(text + "</section>\n")
 }

@@ -9,17 +9,22 @@ use crate::patch::Unit;
 
 pub(super) fn section(told: &Told<'_>) -> String {
     let Told { experiment, problem, .. } = told;
-    let row = |name, column, sigma: f64, unit: &Unit, is_told| {
-        let whence = if is_told { "told" } else { "estimated without a model" };
+    let row = |name, column, sigma: f64, unit: &Unit, whence| {
         (false, [name, column, &number(sigma), unit.text(), whence].map(escaped_text).to_vec())
     };
+    let whence = |is_told| if is_told { "told" } else { "estimated without a model" };
     let drives = experiment.drives.iter().zip(&problem.drive_sigma);
     let drives = drives.filter(|(feed, sigma)| feed.sigma.is_some() || **sigma > 0.0);
-    let drives =
-        drives.map(|(feed, sigma)| row(&feed.drive, &feed.column, *sigma, &feed.unit, feed.sigma.is_some()));
+    let drives = drives.map(|(feed, sigma)| {
+        row(&feed.drive, &feed.column, *sigma, &feed.unit, whence(feed.sigma.is_some()))
+    });
     let outputs = experiment.outputs.iter().zip(&problem.sigma);
-    let outputs = outputs.map(|(output, sigma)| {
-        row(&output.signal, &output.column, *sigma, &output.unit, output.sigma.is_some())
+    let outputs = outputs.enumerate().map(|(place, (output, sigma))| {
+        let whence = match experiment.shows_noise(place) {
+            true => whence(output.sigma.is_some()),
+            false => "a millionth of its range, as no noise is seen",
+        };
+        row(&output.signal, &output.column, *sigma, &output.unit, whence)
     });
     let records = [("training", &experiment.train), ("held back", &experiment.test)];
     let records =

@@ -8,6 +8,7 @@ mod limits;
 mod measured;
 mod round;
 mod sheet;
+mod way;
 mod whereabouts;
 
 use super::effect::Library;
@@ -49,6 +50,7 @@ pub fn page(told: &Told<'_>) -> Result<String, PlotError> {
     body += &measured::section(told);
     body += &base::section(told)?;
     body += &whereabouts::section(told.outcome)?;
+    body += &way::section(told.outcome);
     for (place, round) in told.outcome.rounds.iter().enumerate() {
         body += &round::section(told, place + 1, round)?;
     }
