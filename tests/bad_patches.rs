@@ -197,7 +197,8 @@ fn diagnostics_page() -> String {
          do:\n\n```text\n{example}\n```\n\n\
          An *error* stops the patch; a *warning* does not. With `--json` every finding is an object of `code`, \
          `severity`, `file`, `line`, `column`, `message` and `hint`. The terminal shows the first 50 findings and \
-         says how many more there are; `--json` gives all of them. For every code there are patches in \
+         says how many more there are; `--json` gives all of them. Of a file of data the first ten faults are told: \
+         the rest of it is not read then. For every code there are patches in \
          `{FOLDER}`, or experiments in `{}`, named after it, each beside the report that it gets. What keeps a run from beginning or from going \
          on has codes of its own: [patch-format.md](patch-format.md#the-recorded-table) lists them.\n\n\
          | code | severity | meaning | what to do |\n|---|---|---|---|\n{rows}\n\

@@ -57,12 +57,12 @@ pub(super) fn gap(arguments: &Arguments) -> Result<(), Failure> {
 fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
     let experiment = Experiment::read(&arguments.experiment)?;
     tell_report(&experiment.warnings);
+    if let (Some(effects), Some(out)) = (&arguments.effects, &arguments.out) {
+        check_not("the folder of effects", effects, [out].into_iter())?;
+    }
     let library = effects::known(arguments.effects.as_deref())?;
     if arguments.check {
         return checked(arguments, &experiment, &library);
-    }
-    if let (Some(effects), Some(out)) = (&arguments.effects, &arguments.out) {
-        check_not("the folder of effects", effects, [out].into_iter())?;
     }
     let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, &experiment)).transpose()?;
     let (problem, outcome) = searched(arguments, &experiment, &library)?;
