@@ -5,7 +5,7 @@ use std::thread;
 
 use super::failure::{Failure, tell_report};
 use super::files::check_not;
-use super::gap_files::Folder;
+use super::gap_files::{Folder, embed};
 use super::numbers::seed;
 use super::progress::Bar;
 use super::{effects, gap_check, gap_report, say, say_json};
@@ -13,15 +13,12 @@ use clap::Args;
 use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
 use patchcord::gap::limits::Visible;
-use patchcord::gap::model::ModelError;
 use patchcord::gap::page::Told;
 use patchcord::gap::places::Places;
 use patchcord::gap::progress::{Part, Progress};
 use patchcord::gap::report::asked;
 use patchcord::gap::search::{Means, Outcome};
 use patchcord::gap::stage::Problem;
-use patchcord::patch::Patch;
-use serde_json::Value;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -68,29 +65,19 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
     let (problem, outcome) = searched(arguments, &experiment, &library)?;
     let mut document = outcome.document(&problem);
     document["doubts"] = outcome.doubts(&experiment).into();
-    // What no file takes stands in the document itself.
-    if folder.is_none() {
-        let text = |patch: Result<Option<Patch>, ModelError>| {
-            patch.map(|patch| patch.map_or(Value::Null, |patch| patch.value().clone()))
-        };
-        document["fitted"] = text(outcome.fitted(&experiment, "fitted.json").map(Some))?;
-        document["recovered"] = text(outcome.recovered(&experiment, "recovered.json"))?;
-        let augmented = text(outcome.augmented(&experiment, "augmented.json"))?;
-        document["patch"] = if augmented.is_null() { document["fitted"].clone() } else { augmented };
-    }
     document["experiment"] = asked(&experiment, &problem, arguments.seed);
     let told = Told { experiment: &experiment, problem: &problem, outcome: &outcome, library: &library };
-    let done = folder.map(|folder| folder.write(&told, &mut document)).transpose();
+    let done = match folder {
+        Some(folder) => folder.write(&told, &mut document).map(|done| format!("\n{done}")),
+        None => embed(&told, &mut document).map(|()| String::new()),
+    };
     // What a search of minutes found is told, whether or not there is room for its files.
     if arguments.json {
         say_json(&document)?;
         return done.map(|_| ());
     }
     say(&gap_report::told(&experiment, &problem, &outcome))?;
-    match done? {
-        Some(done) => say(&format!("\n{done}")),
-        None => Ok(()),
-    }
+    say(&done?)
 }
 
 /// What a search is doing, in words.

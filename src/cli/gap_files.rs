@@ -8,7 +8,6 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use super::files::{check_not, prepare, put, unwritable};
-use patchcord::gap::model::ModelError;
 use patchcord::gap::page::{self, Told};
 use patchcord::gap::{Experiment, table_files};
 use patchcord::patch::Patch;
@@ -60,28 +59,43 @@ impl<'f> Folder<'f> {
                 None if earlier.iter().any(|own| own == file) => removed(&path)?,
                 None => String::new(),
             };
-            Ok::<_, Failure>(text.map(|_| Value::from(path.display().to_string())))
-        };
-        let mut patch = |file: &str, patch: Result<Option<Patch>, ModelError>| {
-            left(file, patch?.as_ref().map(Patch::text))
+            Ok::<_, Failure>(text.map_or(Value::Null, |_| path.display().to_string().into()))
         };
         let page = page::page(told).map_err(|error| Failure::data(error.to_string()))?;
         let name = |file: &str| self.folder.join(file).display().to_string();
-        let augmented = patch(AUGMENTED, outcome.augmented(experiment, &name(AUGMENTED)))?;
-        let fitted = patch(FITTED, outcome.fitted(experiment, &name(FITTED)).map(Some))?;
-        let recovered = patch(RECOVERED, outcome.recovered(experiment, &name(RECOVERED)))?;
+        put_patches(told, document, name, |file, patch| left(file, patch.map(Patch::text)))?;
         let separate = outcome.separating.as_ref().map(|own| own.csv(&experiment.outputs));
         let separate = left(SEPARATE, separate.as_deref())?;
-        if separate.is_some() {
-            document["separate"]["data"] = separate.into();
+        if !separate.is_null() {
+            document["separate"]["data"] = separate;
         }
-        document["patch"] = augmented.or_else(|| fitted.clone()).into();
-        document["fitted"] = fitted.into();
-        document["recovered"] = recovered.into();
         done += &wrote(&self.folder.join(REPORT), format!("{document:#}\n").as_bytes())?;
         done += &wrote(&self.folder.join(PAGE), page.as_bytes())?;
         Ok(done)
     }
+}
+
+/// Puts the patches themselves into the document of a search whose files are not asked for.
+pub(super) fn embed(told: &Told<'_>, document: &mut Value) -> Result<(), Failure> {
+    let itself = |patch: Option<&Patch>| patch.map_or(Value::Null, |patch| patch.value().clone());
+    put_patches(told, document, str::to_owned, |_, patch| Ok(itself(patch)))
+}
+
+/// Puts into the document what stands for each patch of a search; `name` is that of its file.
+fn put_patches(
+    told: &Told<'_>,
+    document: &mut Value,
+    name: impl Fn(&str) -> String,
+    mut what: impl FnMut(&str, Option<&Patch>) -> Result<Value, Failure>,
+) -> Result<(), Failure> {
+    let Told { outcome, experiment, .. } = told;
+    let augmented = what(AUGMENTED, outcome.augmented(experiment, &name(AUGMENTED))?.as_ref())?;
+    let fitted = what(FITTED, Some(&outcome.fitted(experiment, &name(FITTED))?))?;
+    let recovered = what(RECOVERED, outcome.recovered(experiment, &name(RECOVERED))?.as_ref())?;
+    document["patch"] = if augmented.is_null() { fitted.clone() } else { augmented };
+    document["fitted"] = fitted;
+    document["recovered"] = recovered;
+    Ok(())
 }
 
 fn wrote(path: &Path, bytes: &[u8]) -> Result<String, Failure> {

@@ -59,7 +59,7 @@ fn gaps(problem: &Problem, outcome: &Outcome) -> Table {
 
 /// The way to what is told, where it is longer than one effect.
 fn way(outcome: &Outcome) -> String {
-    if outcome.way.len() <= 2 {
+    if !outcome.has_a_way() {
         return String::new();
     }
     let mut table = Table::new(["the way there", "train", "test"]);

@@ -5,7 +5,7 @@ use super::limits::Limit;
 use super::model::ModelError;
 use super::record::Record;
 use super::round::Round;
-use super::score::colour;
+use super::score::{colour, there};
 use super::stage::{COLOURED, Problem, Stage};
 use super::turned::Turned;
 use super::unrest::{NotWhite, SlowNoise};
@@ -144,7 +144,7 @@ impl Problem {
     /// Whether the training data look like noise about a constant; few look like that that are none.
     pub(super) fn is_noise_alone(&self) -> bool {
         let over_noise = |(track, sigma): (&Vec<f64>, &f64)| {
-            let there: Vec<f64> = track.iter().copied().filter(|own| !own.is_nan()).collect();
+            let there = there(track);
             let about = mean(&there);
             there.iter().map(|own| (own - about) / sigma).collect::<Vec<f64>>()
         };

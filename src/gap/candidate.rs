@@ -9,10 +9,10 @@ use crate::patch::{EditError, Patch};
 const MOST_STEPS: u32 = 4;
 /// From so many points a fit may begin,
 const MOST_STARTS: usize = 24;
-/// So many of what their parameters may begin with together are gone through at most to find these.
-const MOST_JOINED: usize = 10_000;
 /// and from so many without any effect.
 const MOST_SHAPES: usize = 12;
+/// So many of what parameters may begin with together are gone through at most to find these.
+const MOST_JOINED: usize = 10_000;
 /// A parameter that begins at so many values or more has many valleys.
 const COMB: usize = 8;
 /// They lie as far apart as the first two, but for this share.

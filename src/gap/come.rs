@@ -60,24 +60,21 @@ impl Come {
         self.rounds.iter().take(self.effects.len()).all(|round| round.taken)
     }
 
-    /// Where the only round took nothing and more than noise is left: as if each of the trials that it may have hidden had been taken.
-    pub fn hopes(&self) -> impl Iterator<Item = Come> + '_ {
+    /// Where the only round took nothing and more than noise is left: the places of the trials that it may have hidden.
+    pub fn hopes(&self) -> Vec<usize> {
         let is_open =
             self.effects.is_empty() && self.stage.leaves_structure() && self.stage.gap() > HOPED_FROM;
         let only = if is_open && self.rounds.len() == 1 { self.rounds.first() } else { None };
-        only.into_iter().flat_map(|round| {
-            round.hopes().into_iter().map(|place| {
-                let Trial { candidate, stage, .. } = round.trials[place].clone();
-                let did = format!(
-                    "{} is gone on from, as of two effects one may hide the other",
-                    candidate.named()
-                );
-                let mut hope =
-                    Come { rounds: vec![round.clone()], effects: vec![candidate], stage, way: Vec::new() };
-                hope.did(did);
-                hope
-            })
-        })
+        only.map(Round::hopes).unwrap_or_default()
+    }
+
+    /// The same as if the trial in a place of its first round had been taken.
+    pub fn hoping(&self, place: usize) -> Come {
+        let Trial { candidate, stage, .. } = self.rounds[0].trials[place].clone();
+        let did = format!("{} is gone on from, as of two effects one may hide the other", candidate.named());
+        let mut hope = Come { effects: vec![candidate], stage, ..self.clone() };
+        hope.did(did);
+        hope
     }
 
     /// Whether to go on with a round: it is one more, and its best is taken, or may be beside what is still missing.

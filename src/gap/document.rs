@@ -116,6 +116,11 @@ impl Document {
         let drives = self.drives.iter().map(|drive| (&drive.wire, "drive"));
         drives.chain(self.outputs.iter().map(|output| (&output.wire, "signal")))
     }
+
+    /// Whether a column feeds a drive of this name.
+    pub fn feeds(&self, drive: &str) -> bool {
+        self.drives.iter().any(|own| own.wire.name.value == drive)
+    }
 }
 
 /// Reads the tree of the text; `None` where it is no object.

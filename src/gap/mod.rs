@@ -29,6 +29,7 @@ mod measured;
 pub mod model;
 mod motion;
 mod normal;
+mod overload;
 pub mod page;
 mod parts;
 pub mod places;

@@ -172,12 +172,6 @@ impl Model {
         self.run_each(record, choices.iter().map(|choice| (choice, None)), |_| true)
     }
 
-    /// The first overload of a record's run; nothing where there is none, or no run.
-    pub(super) fn overload(&self, record: usize, choice: &Choice) -> Option<Overload> {
-        let own = self.turned(record, choice, None)?;
-        run_abreast(&[own], &self.settings[record]).pop()?.ok()?.overloads().next().cloned()
-    }
-
     /// The same, and nothing where an amplifier is overloaded.
     pub(super) fn run_within_range(&self, record: usize, choices: &[Choice]) -> Vec<Option<Course>> {
         let is_within = |trace: &Trace| trace.overloads().next().is_none();
@@ -198,6 +192,12 @@ impl Model {
         runs.collect()
     }
 
+    /// The first overload of a record's run; nothing where there is none, or no run.
+    pub(super) fn overload(&self, record: usize, choice: &Choice) -> Option<Overload> {
+        let own = self.set_to(record, choice, None)?;
+        run_abreast(&[own], &self.settings[record]).pop()?.ok()?.overloads().next().cloned()
+    }
+
     fn run_each<'c>(
         &self,
         record: usize,
@@ -206,7 +206,7 @@ impl Model {
     ) -> Vec<Option<Course>> {
         let mut ready = Vec::new();
         let set = choices.map(|(choice, tabled)| {
-            let own = self.turned(record, choice, tabled);
+            let own = self.set_to(record, choice, tabled);
             let is_set = own.is_some();
             ready.extend(own);
             is_set
@@ -218,7 +218,7 @@ impl Model {
     }
 
     /// The program of a record with these values; nothing where it cannot have them.
-    fn turned(
+    fn set_to(
         &self,
         record: usize,
         choice: &Choice,

@@ -57,7 +57,6 @@ const OFF: f64 = 1.05;
 const FEW: f64 = 0.01;
 /// but for those that no recorder of it can have read: so many times as much.
 const ABSURD: f64 = 1000.0;
-
 /// A column fills so much of its scale at least.
 const FILLED: f64 = 1e-3;
 
@@ -78,11 +77,7 @@ pub(super) fn check(made: &Experiment, document: &Document, findings: &mut Findi
         column(wire, output.per_volt, &output.unit, &|record| record.outputs[index].as_slice())
     });
     columns.extend(outputs);
-    findings.extend(
-        columns
-            .iter()
-            .filter_map(|column| column.still().or_else(|| column.beyond()).or_else(|| column.below())),
-    );
+    findings.extend(columns.iter().filter_map(|column| column.still().or_else(|| column.beside_scale())));
     findings.extend(unknown_noise(made, document));
     findings.extend(next_to_no_noise(made, document));
     findings.extend(wild_samples(made, document));
@@ -195,37 +190,27 @@ impl Column<'_> {
         Diagnostic::at(Code::ConstantColumn, column.span, message).hint(hint)
     }
 
-    /// That the machine cannot hold it.
-    fn beyond(&self) -> Option<Diagnostic> {
+    /// That the machine cannot hold it, or that it fills next to nothing of its scale, as where its unit is another.
+    fn beside_scale(&self) -> Option<Diagnostic> {
         let Wire { name, column, .. } = self.wire;
         let (most, full) = (self.trained.with(self.tested).size(), REFERENCE * self.per_volt.abs());
-        let unit = behind(self.unit.text());
-        let message = || {
-            format!(
-                "the column {} goes up to {}{unit}, and 100 V of the {} {} are {}{unit}",
-                column.value,
-                told(most),
-                self.noun,
-                name.value,
-                told(full)
-            )
-        };
         let is_off = self.off > FEW || most > ABSURD * full;
-        let code = if is_off { Code::OffScale } else { Code::BeyondScale };
-        (most > full).then(|| Diagnostic::at(code, column.span, message()))
-    }
-
-    /// That it fills next to nothing of its scale, as where its unit is another.
-    fn below(&self) -> Option<Diagnostic> {
-        let Wire { name, column, .. } = self.wire;
-        let (most, full) = (self.trained.with(self.tested).size(), REFERENCE * self.per_volt.abs());
+        let (code, goes) = match most {
+            most if most < FILLED * full => (Code::BelowScale, "is no larger than"),
+            most if most <= full => return None,
+            _ if is_off => (Code::OffScale, "goes up to"),
+            _ => (Code::BeyondScale, "goes up to"),
+        };
         let unit = behind(self.unit.text());
-        (most < FILLED * full).then(|| {
-            let (noun, name, most, full) = (self.noun, &name.value, told(most), told(full));
-            let message =
-                format!("the column {} is no larger than {most}{unit}, and 100 V of the {noun} {name} are {full}{unit}", column.value);
-            Diagnostic::at(Code::BelowScale, column.span, message)
-        })
+        let message = format!(
+            "the column {} {goes} {}{unit}, and 100 V of the {} {} are {}{unit}",
+            column.value,
+            told(most),
+            self.noun,
+            name.value,
+            told(full)
+        );
+        Some(Diagnostic::at(code, column.span, message))
     }
 }
 

@@ -76,11 +76,10 @@ impl Outcome {
         let coarse = (!self.fineness.is_enough()).then(|| self.fineness.sentence());
         let noises = self.noises(experiment).into_iter().chain(self.louder(experiment));
         let nameless = self.places.nameless_told();
-        let more = self.more_is_left();
         self.at_ends()
             .into_iter()
             .chain(self.overload.iter().cloned())
-            .chain(more)
+            .chain(self.more_is_left())
             .chain(self.uncertain())
             .chain(noises)
             .chain(nameless)
@@ -493,7 +492,6 @@ fn parameters(stage: &Stage) -> Value {
 /// What came of a round.
 fn round_document(number: usize, round: &Round) -> Value {
     let Advantage { sum, error } = round.confirmed;
-    let interval = round.confirmed.interval();
     json!({
         "step": number,
         "tried": round.trials.len(),
@@ -502,7 +500,7 @@ fn round_document(number: usize, round: &Round) -> Value {
         "taken": round.taken,
         "tied": round.tied,
         "closes": round.closed(),
-        "confirmed": {"by": sum, "error": error, "interval": interval},
+        "confirmed": {"by": sum, "error": error, "interval": round.confirmed.interval()},
         "from_white": round.trials.first().map(|best| best.stage.colour),
         "beside": round.beside,
         "gap": {"before": round.before.train.over_noise(), "best": round.trials.first().map(|best| best.stage.train.over_noise())},

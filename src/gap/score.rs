@@ -5,8 +5,8 @@ use std::ops::AddAssign;
 use super::fit::Fitted;
 use super::intervals::TWO_SIDED_95;
 
-/// The residuals of a track where there are data.
-fn there(track: &[f64]) -> Vec<f64> {
+/// The samples of a track that are not missing.
+pub(super) fn there(track: &[f64]) -> Vec<f64> {
     track.iter().copied().filter(|value| !value.is_nan()).collect()
 }
 
@@ -47,14 +47,10 @@ pub fn colour(residuals: &[Vec<Vec<f64>>]) -> f64 {
         let tracks = residuals.iter().map(|record| there(&record[output]));
         // A track that is left without a rest tells nothing.
         let told = tracks.map(|track| ljung_box(&track)).filter(|(sum, _)| !sum.is_nan());
-        let (sum, lags) = told.fold((0.0, 0.0), add);
+        let (sum, lags) = told.fold((0.0, 0.0), |(sum, all), (own, lags)| (sum + own, all + lags));
         (sum - lags) / f64::sqrt(2.0 * lags)
     });
     all.fold(f64::NEG_INFINITY, f64::max)
-}
-
-fn add(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    (a.0 + b.0, a.1 + b.1)
 }
 
 /// Ljung and Box's Q of a track, and over how many lags.

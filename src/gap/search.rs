@@ -215,8 +215,7 @@ impl Problem {
     }
 
     /// Where no effect is taken alone, each of those that close most is gone on from as if it had been: of two the one may hide the
-    /// other. The first that holds together with what is found beside it, and leaves but noise, is it; not where what the one
-    /// leaves is noise of the drives.
+    /// other. The first that holds together with what is found beside it, and leaves but noise, is it.
     fn together(
         &self,
         base: &Stage,
@@ -224,23 +223,32 @@ impl Problem {
         with: &Means<'_>,
         progress: &mut impl FnMut(Progress),
     ) -> Result<Come, ModelError> {
-        let hopes: Vec<Come> = come.hopes().collect();
-        for mut pair in hopes {
-            pair.way.splice(0..0, come.way.iter().cloned());
-            if self.leaves_noise_of_drives(&pair.stage, with.threads)? {
-                continue;
-            }
-            let round = self.round(&pair.stage, &pair.effects, None, with, progress)?;
-            if !pair.goes_on_with(round) {
-                continue;
-            }
-            let pair = self.settled(base, pair, false, with, progress)?;
+        for place in come.hopes() {
+            let pair = self.hoped(base, come.hoping(place), with, progress)?;
             if pair.effects.len() > 1 && pair.all_hold() && !pair.stage.leaves_structure() {
                 return Ok(pair);
             }
-            come = come.after(&pair, "back, as both do not hold together, or do not leave noise");
+            come = come.after(&pair, "back, as no two hold together and leave but noise");
         }
         Ok(come)
+    }
+
+    /// What is found beside an effect that is gone on from; that alone where nothing is, or where it leaves noise of the drives.
+    fn hoped(
+        &self,
+        base: &Stage,
+        mut hope: Come,
+        with: &Means<'_>,
+        progress: &mut impl FnMut(Progress),
+    ) -> Result<Come, ModelError> {
+        if self.leaves_noise_of_drives(&hope.stage, with.threads)? {
+            return Ok(hope);
+        }
+        let round = self.round(&hope.stage, &hope.effects, None, with, progress)?;
+        match hope.goes_on_with(round) {
+            true => self.settled(base, hope, false, with, progress),
+            false => Ok(hope),
+        }
     }
 
     /// What was found out by all that was tried.
@@ -272,10 +280,11 @@ impl Problem {
                 round.trials[rival].stage = self.with_errors(round.trials[rival].stage.clone())?;
             }
         }
+        let told = if verdict.has_names() { &last } else { &base };
         Ok(Outcome {
             verdict,
-            fineness: self.fineness(if verdict.has_names() { &last } else { &base })?,
-            overload: self.overload(if verdict.has_names() { &last } else { &base })?,
+            fineness: self.fineness(told)?,
+            overload: self.overload(told)?,
             agreement: self.agreement(&base, with.seed)?,
             correlations: self.correlations(&base)?,
             places: Places::of(&base.version.patch, &self.drives, with.library)?,

@@ -270,8 +270,9 @@ impl Problem {
         let drive_sigma = drive_sigma
             .map(|(place, feed)| feed.sigma.unwrap_or_else(|| largest(drive_noise, records, place)));
         // A drive of the patch would begin anew with every piece.
-        let is_fed = |name: &str| experiment.drives.iter().any(|feed| feed.drive == name);
-        let cuts = if begun_anew(&experiment.patch, is_fed).next().is_some() { 1 } else { PIECES };
+        let mut own =
+            begun_anew(&experiment.patch, |name| experiment.drives.iter().any(|feed| feed.drive == name));
+        let cuts = if own.next().is_some() { 1 } else { PIECES };
         let mut problem = Problem {
             drives: experiment.drives.clone(),
             drive_sigma: drive_sigma.collect(),

@@ -6,7 +6,6 @@ use super::stage::{Problem, Stage, Version};
 use crate::instruments::number;
 use crate::patch::Patch;
 use crate::spare;
-use crate::trace::Overload;
 
 /// The solver may err by this share of the noise, rms.
 const FINE: f64 = 0.1;
@@ -60,29 +59,6 @@ impl Problem {
         let [coarse, fine] = [1, 2].map(|times| self.stepped(version, point, times * version.steps));
         let error = self.error(coarse?.as_deref(), fine?.as_deref());
         Ok(Fineness { steps: version.steps, error, wanted: wanted(stage.train.over_noise()) })
-    }
-
-    /// The first overload of a stage beside its records, in a sentence; nothing where there is none.
-    ///
-    /// # Errors
-    /// When the patch cannot be run beside the records.
-    pub(super) fn overload(&self, stage: &Stage) -> Result<Option<String>, ModelError> {
-        let parts = [(&self.train, &stage.train.point), (&self.test, &stage.test.point)];
-        for (records, point) in parts {
-            let model = self.model(&stage.version, records, &self.outputs)?;
-            let overloaded = records.iter().enumerate().find_map(|(place, record)| {
-                let choice = Choice { knobs: point.knobs.clone(), initial: point.initial[place].clone() };
-                Some((record, model.overload(place, &choice)?))
-            });
-            let Some((record, Overload { element, time, peak, .. })) = overloaded else { continue };
-            return Ok(Some(format!(
-                "Beside {} the amplifier {element} is overloaded at {} s, asked for {} V: beyond 100 V the patch is not what it stands for. Let a volt of its scale stand for more, and search again.",
-                record.name,
-                number(record.begin + time),
-                number(peak)
-            )));
-        }
-        Ok(None)
     }
 
     /// Steps with which the solver errs little, for a patch as it stands; the most where none do.

@@ -85,8 +85,8 @@ impl<'a> Bringing<'a> {
         self.check_pieces(pieces, &train, &test);
         let subject = subject?;
         self.check_fed(subject.patch(), [&train, &test], pieces);
-        let fed = |name: &str| document.drives.iter().any(|drive| drive.wire.name.value == name);
-        let fit = to_fit(subject.patch(), &fed, document.fit.as_deref(), self.findings);
+        let fit =
+            to_fit(subject.patch(), &|name| document.feeds(name), document.fit.as_deref(), self.findings);
         self.check_fitted(&fit);
         let made = Experiment {
             file: String::new(),
@@ -109,8 +109,8 @@ impl<'a> Bringing<'a> {
 
     /// Tells of outputs that the data feed, as they follow these whatever the patch does, and of columns that stand for two things.
     fn check_twice(&mut self) {
-        let Document { drives, outputs, .. } = self.document;
-        let wires: Vec<&Wire> = self.document.wires().map(|(wire, _)| wire).collect();
+        let document = self.document;
+        let wires: Vec<&Wire> = document.wires().map(|(wire, _)| wire).collect();
         let shared = wires.iter().enumerate().filter_map(|(place, wire)| {
             let is_other = |own: &&&Wire| own.name.value != wire.name.value;
             let first =
@@ -120,9 +120,8 @@ impl<'a> Bringing<'a> {
             Some(Diagnostic::at(Code::SharedColumn, column.span, message))
         });
         self.findings.extend(shared);
-        let is_fed =
-            |output: &&OutputWire| drives.iter().any(|own| own.wire.name.value == output.wire.name.value);
-        let found = outputs.iter().filter(is_fed).map(|output| {
+        let is_fed = |output: &&OutputWire| document.feeds(&output.wire.name.value);
+        let found = document.outputs.iter().filter(is_fed).map(|output| {
             let Placed { value: name, span } = &output.wire.name;
             let message = format!("{name} is fed from the data: as an output it tells nothing of the patch");
             Diagnostic::at(Code::DuplicateName, *span, message).hint("take it out of the outputs")
@@ -191,29 +190,23 @@ impl<'a> Bringing<'a> {
     /// Tells of drives that move as the patch has them, which begin with every record; where one begins later than they do, they
     /// would be wrong.
     fn check_fed(&mut self, patch: &Patch, records: [&[Record]; 2], pieces: Option<f64>) {
-        let Document { patch: named, drives, .. } = self.document;
-        let is_fed = |name: &str| drives.iter().any(|drive| drive.wire.name.value == name);
-        let own: Vec<&str> = begun_anew(patch, is_fed).collect();
-        let Some(named) = named.as_ref().filter(|_| !own.is_empty()) else { return };
+        let document = self.document;
+        let own: Vec<&str> = begun_anew(patch, |name| document.feeds(name)).collect();
+        let Some(named) = document.patch.as_ref().filter(|_| !own.is_empty()) else { return };
         let own = own.join(", ");
         let later = records.into_iter().flatten().find(|record| record.since > 0.0);
         let later = match pieces {
             Some(_) => Some("a piece".to_owned()),
             None => later.map(|record| format!("what {} has from {} s on", record.name, told(record.begin))),
         };
-        let (code, message) = match later {
+        let (code, does) = match later {
             Some(later) => {
-                let begins = "begins anew with every record, which would be wrong for";
-                (
-                    Code::DriveBeginsAnew,
-                    format!("no column feeds {own} of the patch: what moves there {begins} {later}"),
-                )
+                let wrong = format!("begins anew with every record, which would be wrong for {later}");
+                (Code::DriveBeginsAnew, wrong)
             }
-            None => (
-                Code::UnfedDrives,
-                format!("no column feeds {own} of the patch: what moves there goes on as it is written"),
-            ),
+            None => (Code::UnfedDrives, "goes on as it is written".to_owned()),
         };
+        let message = format!("no column feeds {own} of the patch: what moves there {does}");
         self.findings.push(Diagnostic::at(code, named.span, message));
     }
 

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::candidate::Candidate;
+use super::search::Outcome;
 use super::stage::Stage;
 
 /// One of them.
@@ -28,5 +29,12 @@ impl Change {
     pub fn document(&self) -> Value {
         let [train, test] = self.left;
         json!({"did": self.did, "effects": self.effects, "left": {"train": train, "test": test}})
+    }
+}
+
+impl Outcome {
+    /// Whether the way led through more than one change of the patch as it was: what its rounds alone do not tell.
+    pub fn has_a_way(&self) -> bool {
+        self.way.len() > 2
     }
 }

@@ -89,11 +89,7 @@ impl Problem {
         let (sites, peaks) = (self.sites(base)?, self.peaks(base)?);
         let (mut wired, mut left_out) = (Vec::new(), Vec::new());
         for attached in with.library.iter().flat_map(|effect| Attached::all(effect, &sites)) {
-            let runs = |own: (Candidate, Version)| match self.model(&own.1, &self.train, &self.outputs) {
-                Ok(_) => Ok(own),
-                Err(why) => Err(Untried::Model(why)),
-            };
-            match self.wired(base, &attached, &peaks).and_then(runs) {
+            match self.wired(base, &attached, &peaks).and_then(|own| self.if_runs(own)) {
                 Ok(own) => wired.push(own),
                 Err(why) => left_out.push(LeftOut::of(&attached, &why)),
             }
@@ -101,6 +97,12 @@ impl Problem {
         let wired: Vec<_> = wired.iter().map(|(candidate, version)| (candidate, version)).collect();
         let limits = self.weakest(base, Bar::of_noise(wired.len()), &wired, with.threads)?;
         Ok(Visible { leaves: base.train.over_noise(), limits, left_out })
+    }
+
+    /// What is wired, if it can be run beside the records.
+    fn if_runs(&self, own: (Candidate, Version)) -> Result<(Candidate, Version), Untried> {
+        self.model(&own.1, &self.train, &self.outputs)?;
+        Ok(own)
     }
 
     fn weakest(

@@ -6,7 +6,7 @@ use crate::html::escaped;
 
 /// Nothing where there is no more to it than one effect.
 pub(super) fn section(outcome: &Outcome) -> String {
-    if outcome.way.len() <= 2 {
+    if !outcome.has_a_way() {
         return String::new();
     }
     let last = outcome.way.len() - 1;
