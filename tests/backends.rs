@@ -356,3 +356,39 @@ fn a_machine_stops_within_a_step_alike() {
     let expected = -10.0 * (5.0 * 0.25 + 2.0 * area(turn) - area(2.0 * turn - 0.25));
     assert!((reference - expected).abs() < 1e-9, "{reference} {expected}");
 }
+
+/// What jumps on the ends of steps and within them, by itself and by a relay, where a brake holds and lets go; recorded at these
+/// instants and between them.
+#[test]
+fn jumps() {
+    let points: Vec<_> =
+        (0..40).map(|place| [0.05 * f64::from(place), 60.0 * f64::from(place).sin()]).collect();
+    let mut beside = points.clone();
+    beside.iter_mut().for_each(|point| point[0] += 0.0123);
+    let held = |points: Vec<[f64; 2]>| {
+        element("table").set("points", serde_json::json!(points)).set("hold", "previous")
+    };
+    let relay = element("relay").cord("in", "u").cord("on", "w").cord("off", "ground");
+    let mass = element("integrator").cords("x1", ["u", "R", "A"]).cords("brake_x1", ["L"]);
+    let patch = volts("held levels")
+        .drive("u", "volt", held(points))
+        .drive("w", "volt", held(beside))
+        .element("R", relay.set("pull_in", 20).set("drop_out", -20))
+        .element("L", element("pot").cord("in", "+100").set("setting", 0.3))
+        .element("A", mass)
+        .element("B", element("integrator").cords("x10", ["A"]))
+        .build()
+        .unwrap();
+    let circuit = circuit(&patch, &[]);
+    let program = Program::new(&circuit).unwrap();
+    let record = ["u", "w", "R", "A", "B"].map(str::to_owned).to_vec();
+    for (step, every) in [(1e-3, 0.05), (1e-3, 2.3e-3), (0.05, 0.05), (0.05, 0.0123), (7e-3, 1e-2)] {
+        let settings =
+            RunSettings { step, every, record: record.clone(), ..RunSettings::of(&circuit).unwrap() };
+        let (folded, reference) = both(&program, &settings.lasting(2.0));
+        let found = difference(&folded, &reference);
+        assert!(found <= 1e-11, "step {step}, every {every}: {found:e} V");
+        let [own, other] = [&folded, &reference].map(|trace| trace.sweeps[0].work.changes);
+        assert!(own == other && own >= 20, "{own} {other}");
+    }
+}

@@ -29,6 +29,13 @@ impl Kernel {
         next_ends(frame, end)
     }
 
+    /// Takes in what goes into the delay lines at a time.
+    pub fn put_stored(&self, frame: &mut Frame<f64>, time: f64) {
+        for (line, slot) in frame.lines[0].iter_mut().zip(&self.stored) {
+            line.put(time, frame.slots[*slot as usize]);
+        }
+    }
+
     /// Takes note in the delay lines that the frame is on a corner: its echo will be one.
     pub fn remember_corner(&self, frame: &mut Frame<f64>) {
         for (line, slot) in frame.lines[0].iter_mut().zip(&self.stored) {

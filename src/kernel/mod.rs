@@ -39,7 +39,7 @@ pub(crate) use abreast::{Formation, LANES};
 pub use backend::Backend;
 pub(crate) use frame::Frame;
 pub(crate) use native::Native;
-pub(crate) use sides::Met;
+pub(crate) use sides::{Kind, Met};
 pub(crate) use step::{Look, Steps};
 pub(crate) use store::{FEWEST_ABREAST, Folded, Kernels};
 

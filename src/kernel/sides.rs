@@ -22,8 +22,18 @@ pub(crate) struct Met {
     watch: usize,
     /// What is left of the watch where it is met.
     rest: f64,
-    /// Whether it is a corner, and the kernel still holds beyond it.
-    pub is_corner: bool,
+    pub kind: Kind,
+}
+
+/// What is met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// A corner: the kernel still holds beyond it.
+    Corner,
+    /// A change of mode.
+    Guard,
+    /// The end of what a kernel can tell.
+    Range,
 }
 
 impl Met {
@@ -140,15 +150,15 @@ impl Kernel {
         let guard = self.short(frame, self.corners..self.thorough.in_middle).next();
         let range = || self.short(frame, self.thorough.in_middle..self.thorough.all).next();
         let watch = guard.or_else(|| self.passed(frame).next()).or_else(range)?;
-        let is_corner = self.is_corner(watch);
-        Some(Met { watch, rest: if is_corner { PAST } else { 0.0 }, is_corner })
+        let kind = self.kind(watch);
+        Some(Met { watch, rest: if kind == Kind::Corner { PAST } else { 0.0 }, kind })
     }
 
     /// A corner on which the frame is, and that it left on its other side.
     pub fn left_behind(&self, frame: &Frame<f64>) -> Option<Met> {
         let is_near = |watch: &usize| frame.present[*watch] <= 3.0 * ON_THE_KINK;
         let watch = self.passed(frame).find(is_near)?;
-        Some(Met { watch, rest: PAST, is_corner: true })
+        Some(Met { watch, rest: PAST, kind: Kind::Corner })
     }
 
     /// The corners that were passed; without their room where a range shows what lies beyond one of them.
@@ -166,8 +176,12 @@ impl Kernel {
         })
     }
 
-    fn is_corner(&self, watch: usize) -> bool {
-        watch < self.corners
+    fn kind(&self, watch: usize) -> Kind {
+        match watch {
+            _ if watch < self.corners => Kind::Corner,
+            _ if watch < self.thorough.in_middle => Kind::Guard,
+            _ => Kind::Range,
+        }
     }
 
     /// How far past it what was looked at is; negative before it.

@@ -138,8 +138,18 @@ impl Kernel {
     /// Makes the stretch looked at the present.
     #[inline(always)]
     fn accept<V: Lane>(&self, frame: &mut Frame<V>, span: &Span<V>) {
-        self.see(frame, span);
         self.store(frame, span);
+        self.go(frame, span);
+        for (index, slot) in self.kept.iter().enumerate() {
+            let place = self.layout.kept + index;
+            frame.slots[place] = span.gone(frame.slots[*slot as usize], frame.slots[place]);
+        }
+    }
+
+    /// Goes to the end of the stretch looked at.
+    #[inline(always)]
+    fn go<V: Lane>(&self, frame: &mut Frame<V>, span: &Span<V>) {
+        self.see(frame, span);
         let after = &frame.slots[self.layout.states..self.layout.time];
         for (state, after) in frame.states.iter_mut().zip(after) {
             *state = span.gone(*after, *state);
@@ -147,10 +157,6 @@ impl Kernel {
         let [.., end] = &frame.stages;
         for (rate, end) in frame.rates.iter_mut().zip(end) {
             *rate = span.gone(*end, *rate);
-        }
-        for (index, slot) in self.kept.iter().enumerate() {
-            let place = self.layout.kept + index;
-            frame.slots[place] = span.gone(frame.slots[*slot as usize], frame.slots[place]);
         }
         frame.time = span.end;
     }
@@ -232,11 +238,23 @@ impl Kernel {
 
     /// Makes the step looked at, which ends at a time, the present.
     pub fn take(&self, frame: &mut Frame<f64>, time: f64) {
+        let span = self.remember_stretch(frame, time);
+        self.accept(frame, &span);
+    }
+
+    /// The same up to an instant at which something happens: what is kept is not renewed, nor what comes out of delay lines heard.
+    pub fn take_up_to(&self, frame: &mut Frame<f64>, time: f64) {
+        let span = self.remember_stretch(frame, time);
+        self.put_stored(frame, time);
+        self.go(frame, &span);
+    }
+
+    fn remember_stretch(&self, frame: &mut Frame<f64>, time: f64) -> Span<f64> {
         (frame.last.begin, frame.last.end) = (frame.time, time);
         frame.last.states.copy_from_slice(&frame.states);
         frame.last.rates.copy_from_slice(&frame.rates);
         frame.present.copy_from_slice(&frame.rests);
-        self.accept(frame, &Span::same(frame.time, time - frame.time, time));
+        Span::same(frame.time, time - frame.time, time)
     }
 
     /// Sees the voltages that are followed where the frame is, as they were worked out last.

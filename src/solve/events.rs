@@ -64,9 +64,24 @@ impl Ahead for Machine<'_> {
 
 impl Machine<'_> {
     /// Goes to a time, stopping for every change of mode and every echo of one on the way.
-    pub(super) fn advance(&mut self, mut target: f64, witness: &mut impl Witness) -> Result<(), RunError> {
+    pub(super) fn advance(&mut self, target: f64, witness: &mut impl Witness) -> Result<(), RunError> {
         self.count_anew();
-        loop {
+        self.go_to(target, None, witness)
+    }
+
+    /// The same, and goes on to count what switches. The first may be known to be a change of mode, about so much later.
+    pub(super) fn go_to(
+        &mut self,
+        mut target: f64,
+        mut change: Option<f64>,
+        witness: &mut impl Witness,
+    ) -> Result<(), RunError> {
+        if let Some(later) = change
+            && self.go_to_change(later, target, witness)?
+        {
+            change = None;
+        }
+        while self.time < target && !witness.has_met() {
             let end = self.end_of_stretch(target);
             let length = end - self.time;
             self.step_ahead(length);
@@ -74,7 +89,8 @@ impl Machine<'_> {
                 target = self.time + shorter;
                 continue;
             }
-            let (share, met) = locate::first_event(self, length);
+            let near = change.take().map(|later| later / length);
+            let (share, met) = locate::first_event(self, length, near);
             if let Some(shorter) = self.refused(share * length)? {
                 target = self.time + shorter;
                 continue;
@@ -84,22 +100,47 @@ impl Machine<'_> {
             if let Some(Event::Kink(kink, _)) = met {
                 self.cross(kink)?;
             }
-            self.enter_event()?;
-            let echoed = self.meet_breaks();
-            if self.settle()? || echoed {
-                self.remember_values();
-                self.check_now()?;
-            }
-            self.leave_event()?;
-            witness.arrival(self);
-            if self.time >= target || self.control.is_some() || witness.has_met() {
-                return Ok(());
+            self.arrive(witness)?;
+            if self.control.is_some() {
+                break;
             }
         }
+        Ok(())
+    }
+
+    /// Goes in one step to where a flight has found a change of mode on the way to a time, and carries it out; tells whether it
+    /// is due there.
+    fn go_to_change(
+        &mut self,
+        length: f64,
+        target: f64,
+        witness: &mut impl Witness,
+    ) -> Result<bool, RunError> {
+        self.step_ahead(length);
+        let is_due = matches!(self.event(), Some(Event::Change(_))) && !self.is_hinted();
+        if is_due {
+            let is_whole = length >= target - self.time;
+            self.accept(if is_whole { target } else { self.time + length }, witness)?;
+            self.arrive(witness)?;
+        }
+        Ok(is_due)
+    }
+
+    /// Carries out what is due where a stretch has ended.
+    pub(super) fn arrive(&mut self, witness: &mut impl Witness) -> Result<(), RunError> {
+        self.enter_event()?;
+        let echoed = self.meet_breaks();
+        if self.settle()? || echoed {
+            self.remember_values();
+            self.check_now()?;
+        }
+        self.leave_event()?;
+        witness.arrival(self);
+        Ok(())
     }
 
     /// Begins to count what switches anew: with every one of equal steps, else after a span of time.
-    fn count_anew(&mut self) {
+    pub(super) fn count_anew(&mut self) {
         if self.control.as_mut().is_none_or(|control| control.counts_anew(self.time, self.step)) {
             self.changes.fill(0);
             self.crossings.fill(0);

@@ -9,7 +9,7 @@ use super::error::RunError;
 use super::locate::{self, Ahead};
 use super::machine::{Machine, Witness};
 use super::stride::{cubic, without_dust};
-use crate::kernel::{Backend, Folded, Frame, Look, Met, Steps, WITHIN_RANGE};
+use crate::kernel::{Backend, Folded, Frame, Kind, Look, Met, Steps, WITHIN_RANGE};
 use crate::machines::REFERENCE;
 use crate::program::{Lamp, Register};
 
@@ -150,10 +150,25 @@ impl Flight {
 pub(super) struct Aloft {
     /// Its index.
     flight: usize,
-    /// So many steps are left before anything that is known to come.
+    /// When the first thing comes that is known to come.
+    until: f64,
+    /// So many steps are left that end before that.
     pub left: u64,
     /// Whether something is known to be met in the next step.
     pub meets: bool,
+}
+
+/// Why a flight goes no further.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Halt {
+    /// It could.
+    Quiet,
+    /// It has come to where something jumps that was known to.
+    Jump,
+    /// A mode changes so much later.
+    Change(f64),
+    /// Something is met that it cannot tell of.
+    Unclear,
 }
 
 impl Machine<'_> {
@@ -163,10 +178,8 @@ impl Machine<'_> {
         if !may || !self.is_calm() {
             return None;
         }
-        let left = self.steps_before_jump(steps);
-        if left == 0 {
-            return None;
-        }
+        let until = self.end_of_flight();
+        let left = steps.before(until, SAME * self.step);
         let mut glider = mem::take(&mut self.glider);
         let flight = glider.flight(self);
         if flight.is_none() {
@@ -182,7 +195,7 @@ impl Machine<'_> {
             holds
         });
         self.glider = glider;
-        begun.map(|flight| Aloft { flight, left, meets: false })
+        begun.map(|flight| Aloft { flight, until, left, meets: false })
     }
 
     /// Whether no amplifier is asked for more than it can give: no integrator is held at ±100 V and driven on. A kernel would
@@ -197,11 +210,6 @@ impl Machine<'_> {
             && states.all(|(state, volts)| {
                 volts.abs() < REFERENCE || self.registers[state.demand.index()] * volts <= 0.0
             })
-    }
-
-    /// How many of these steps end before anything that is known to come.
-    fn steps_before_jump(&self, steps: Steps) -> u64 {
-        steps.before(self.end_of_flight(), SAME * self.step)
     }
 
     /// A flight that is under way.
@@ -227,8 +235,8 @@ impl Machine<'_> {
     }
 
     /// Goes steps of a grid as long as they are quiet, and tells how many were gone. Where these are not all, the machine
-    /// is on its way through the next.
-    pub(super) fn fly(&mut self, aloft: Aloft, steps: Steps, witness: &mut impl Witness) -> u64 {
+    /// is on its way through the next, and halted.
+    pub(super) fn fly(&mut self, aloft: Aloft, steps: Steps, witness: &mut impl Witness) -> (u64, Halt) {
         self.with_flight(aloft, |machine, flight| machine.fly_with(flight, steps, aloft.meets, witness))
     }
 
@@ -238,7 +246,7 @@ impl Machine<'_> {
         steps: Steps,
         mut meets: bool,
         witness: &mut impl Witness,
-    ) -> u64 {
+    ) -> (u64, Halt) {
         let mut gone = 0;
         while gone < steps.count {
             let left = steps.after(gone);
@@ -264,31 +272,57 @@ impl Machine<'_> {
             gone += done;
             // What is met is crossed, and a sample within a step is read off that step.
             if done < count || count == 0 {
-                if !self.fly_across(flight, left.end_of(done), witness) {
-                    break;
+                match self.fly_across(flight, left.end_of(done), Halt::Quiet, witness) {
+                    Halt::Quiet => gone += 1,
+                    halt => return (gone, halt),
                 }
-                gone += 1;
             }
             if steps.after(gone).up_to_multiple_of(SWEPT) == SWEPT {
                 without_dust(&mut flight.frame.states);
             }
         }
-        gone
+        (gone, Halt::Quiet)
     }
 
-    /// Ends a flight where it is.
-    pub(super) fn come_down(&mut self, aloft: Aloft, witness: &mut impl Witness) -> Result<(), RunError> {
+    /// Goes on to what is known to come before the end of a step, or at it.
+    pub(super) fn fly_to_jump(&mut self, aloft: Aloft, end: f64, witness: &mut impl Witness) -> Halt {
+        let end = if aloft.until < end - SAME * self.step { aloft.until } else { end };
+        self.with_flight(aloft, |machine, flight| machine.fly_across(flight, end, Halt::Jump, witness))
+    }
+
+    /// Ends a flight where it is, and was halted.
+    pub(super) fn come_down(
+        &mut self,
+        aloft: Aloft,
+        halt: Halt,
+        witness: &mut impl Witness,
+    ) -> Result<(), RunError> {
         self.with_flight(aloft, |machine, flight| {
             // What was looked at last may lie beyond what stopped it.
             flight.show(&machine.program.tables);
             witness.landed(flight);
-            machine.land(flight)
+            machine.take_over(flight);
+            if halt != Halt::Jump {
+                machine.work_out_now();
+                return machine.check_now();
+            }
+            machine.work_out_before_now();
+            machine.check_now()?;
+            witness.before_jump(machine);
+            machine.remember_values();
+            Ok(())
         })
     }
 
-    /// Goes on to the end of a step in which something is met, across every corner. Where it is something else, stops
-    /// on the way.
-    fn fly_across(&mut self, flight: &mut Flight, end: f64, witness: &mut impl Witness) -> bool {
+    /// Goes on to a time across every corner, unless something else is met. Tells what has halted it, or what does at that
+    /// time.
+    fn fly_across(
+        &mut self,
+        flight: &mut Flight,
+        end: f64,
+        at_end: Halt,
+        witness: &mut impl Witness,
+    ) -> Halt {
         flight.show(&self.program.tables);
         flight.frame.stand();
         for _ in 0..MOST_CROSSINGS {
@@ -300,19 +334,27 @@ impl Machine<'_> {
             // It goes off on the other side from where it is.
             if let Some(met) = folded.kernel.left_behind(sight.frame) {
                 if !flight.cross(self, met) {
-                    return false;
+                    return Halt::Unclear;
                 }
                 continue;
             }
-            // What is no corner is left to the machine.
-            if sight.event().is_some_and(|met| !met.is_corner) {
-                return false;
+            // What is beyond a range is left to the machine.
+            if sight.event().is_some_and(|met| met.kind == Kind::Range) {
+                return Halt::Unclear;
             }
-            let (share, met) = locate::first_event(&mut sight, length);
-            if met.is_some_and(|met| !met.is_corner) {
-                return false;
-            }
+            let (share, met) = locate::first_event(&mut sight, length, None);
             let time = if share >= 1.0 { target } else { sight.frame.time + share * length };
+            match met.map(|met| met.kind) {
+                Some(Kind::Guard) => return Halt::Change(share * length),
+                Some(Kind::Range) => return Halt::Unclear,
+                _ if time >= end && at_end == Halt::Jump => {
+                    sight.accept_up_to(time);
+                    self.time = time;
+                    witness.glided_up_to(self, flight);
+                    return Halt::Jump;
+                }
+                _ => {}
+            }
             sight.accept(time);
             if met.is_some() {
                 folded.kernel.remember_corner(sight.frame);
@@ -322,24 +364,22 @@ impl Machine<'_> {
             if let Some(met) = met {
                 self.work.crossings += 1;
                 if !flight.cross(self, met) {
-                    return false;
+                    return Halt::Unclear;
                 }
             }
             if time >= end {
-                return true;
+                return Halt::Quiet;
             }
         }
-        false
+        Halt::Unclear
     }
 
-    /// Works everything out where a stretch has ended.
-    fn land(&mut self, flight: &mut Flight) -> Result<(), RunError> {
+    /// Goes to where a flight has ended.
+    fn take_over(&mut self, flight: &mut Flight) {
         flight.exchange_lines(self);
         self.time = flight.frame.time;
         self.states.copy_from_slice(&flight.frame.states);
         self.kept.copy_from_slice(flight.frame.kept(&flight.folded.kernel));
-        self.work_out_now();
-        self.check_now()
     }
 }
 
@@ -356,6 +396,12 @@ impl Sight<'_, '_> {
     fn accept(&mut self, time: f64) {
         self.machine.work.steps += 1;
         self.folded.kernel.take(self.frame, time);
+    }
+
+    /// The same; what is due there is left to the machine.
+    fn accept_up_to(&mut self, time: f64) {
+        self.machine.work.steps += 1;
+        self.folded.kernel.take_up_to(self.frame, time);
     }
 }
 

@@ -27,11 +27,15 @@ pub(super) trait Ahead {
 }
 
 /// The share of the step looked at after which the first event comes, and which it is. Leaves the look at that
-/// place. What comes and goes before it is found where a stage hints at it.
-pub(super) fn first_event<A: Ahead>(ahead: &mut A, length: f64) -> (f64, Option<A::Event>) {
+/// place. What comes and goes before it is found where a stage hints at it. It may be known near which share it is.
+pub(super) fn first_event<A: Ahead>(
+    ahead: &mut A,
+    length: f64,
+    near: Option<f64>,
+) -> (f64, Option<A::Event>) {
     let (mut share, mut first) = (1.0, ahead.event());
     if let Some(event) = &mut first {
-        (share, *event) = located(ahead, length, *event);
+        (share, *event) = located(ahead, length, *event, near);
     }
     for _ in 0..MOST_LOOKS {
         if !ahead.is_hinted() {
@@ -43,7 +47,7 @@ pub(super) fn first_event<A: Ahead>(ahead: &mut A, length: f64) -> (f64, Option<
             ahead.look(share * length);
             break;
         };
-        let (place, event) = located(ahead, earlier * length, event);
+        let (place, event) = located(ahead, earlier * length, event, None);
         (share, first) = (earlier * place, Some(event));
     }
     (share, first)
@@ -51,14 +55,20 @@ pub(super) fn first_event<A: Ahead>(ahead: &mut A, length: f64) -> (f64, Option<
 
 /// The share of the step looked at after which the first event comes: where the curve through its last excesses is 0, kept
 /// safe by halving.
-fn located<A: Ahead>(ahead: &mut A, length: f64, mut event: A::Event) -> (f64, A::Event) {
+fn located<A: Ahead>(
+    ahead: &mut A,
+    length: f64,
+    mut event: A::Event,
+    mut near: Option<f64>,
+) -> (f64, A::Event) {
     let mut bracket = Bracket::new(ahead.excess_now(event), ahead.excess(event));
     for look in 0..MOST_LOOKS {
         if bracket.width() <= FOUND {
             break;
         }
         let room = ahead.room(event);
-        let place = if room > 0.0 { bracket.zero() } else { bracket.beside_zero() };
+        let zero = if room > 0.0 { bracket.zero() } else { bracket.beside_zero() };
+        let place = near.take().unwrap_or(zero);
         let middle = bracket.guess(place, look);
         ahead.look(middle * length);
         match ahead.event() {

@@ -111,6 +111,10 @@ pub(super) trait Witness {
     fn stretch(&mut self, machine: &mut Machine<'_>);
     /// The end of a stretch, after the changes of mode that were due there.
     fn arrival(&mut self, machine: &Machine<'_>);
+    /// A stretch was gone in quiet that may have gone past the next sample; at its end something jumps.
+    fn glided_up_to(&mut self, _: &Machine<'_>, _: &mut Flight) {}
+    /// The machine stands where something jumps, and it has not yet.
+    fn before_jump(&mut self, _: &Machine<'_>) {}
     /// Quiet steps were gone, the last of which may have gone past the next sample.
     fn glided(&mut self, _: &Machine<'_>, _: &mut Flight) {}
     /// Quiet steps were gone that are remembered, past no sample within one of them.
@@ -375,9 +379,18 @@ impl<'p> Machine<'p> {
 
     /// The same, not counted as work.
     pub(super) fn work_out_now(&mut self) {
+        self.work_out_by(DelayLine::next_from);
+    }
+
+    /// The same as it was before anything jumped now.
+    pub(super) fn work_out_before_now(&mut self) {
+        self.work_out_by(DelayLine::next_until);
+    }
+
+    fn work_out_by(&mut self, output: fn(&mut DelayLine, f64) -> f64) {
         self.scratch.faults.clear();
         for (delayed, line) in self.delayed.iter_mut().zip(&mut self.lines) {
-            *delayed = line.next_from(self.time);
+            *delayed = output(line, self.time);
         }
         self.work_out(self.time, Wanted::Now);
         let still = self.program.parts.moving;

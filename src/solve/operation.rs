@@ -2,7 +2,7 @@
 
 use super::breaks::SAME;
 use super::error::{RunError, TimeSetting};
-use super::glide::Aloft;
+use super::glide::{Aloft, Halt};
 use super::machine::{Machine, MachineMode, Witness};
 use crate::kernel::Steps;
 
@@ -59,14 +59,11 @@ impl Machine<'_> {
             let steps = Steps { count: operation.steps.count - last, ..operation.steps };
             match operation.aloft {
                 Some(aloft) => {
-                    let gone =
-                        self.fly(aloft, Steps { count: steps.count.min(aloft.left), ..steps }, witness);
+                    let steps = Steps { count: steps.count.min(aloft.left), ..steps };
+                    let (gone, halt) = self.fly(aloft, steps, witness);
                     operation.pass(gone);
-                    if gone < steps.count {
-                        self.come_down(aloft, witness)?;
-                        operation.aloft = None;
-                        self.advance(operation.steps.end_of(0), witness)?;
-                        operation.pass(1);
+                    if operation.steps.count > last {
+                        self.go_step(operation, aloft, halt, witness)?;
                     }
                 }
                 None if self.is_stopped_by(witness) => operation.stop(),
@@ -82,6 +79,28 @@ impl Machine<'_> {
         Ok(())
     }
 
+    /// Goes a step in which something happens or may happen: in flight up to there.
+    fn go_step(
+        &mut self,
+        operation: &mut Operation,
+        aloft: Aloft,
+        halt: Halt,
+        witness: &mut impl Witness,
+    ) -> Result<(), RunError> {
+        let end = operation.steps.end_of(0);
+        let halt = if halt == Halt::Quiet { self.fly_to_jump(aloft, end, witness) } else { halt };
+        self.come_down(aloft, halt, witness)?;
+        operation.aloft = None;
+        self.count_anew();
+        if halt == Halt::Jump {
+            self.arrive(witness)?;
+        }
+        let change = if let Halt::Change(later) = halt { Some(later) } else { None };
+        self.go_to(end, change, witness)?;
+        operation.pass(1);
+        Ok(())
+    }
+
     /// Ends the phase: what is left beyond its last whole step, unless that is rounding.
     pub(super) fn end_operation(
         &mut self,
@@ -89,7 +108,7 @@ impl Machine<'_> {
         witness: &mut impl Witness,
     ) -> Result<(), RunError> {
         if let Some(aloft) = operation.aloft {
-            self.come_down(aloft, witness)?;
+            self.come_down(aloft, Halt::Unclear, witness)?;
         }
         let is_over = self.mode() == MachineMode::Hold;
         if !is_over && operation.end - self.time > 1e-9 * self.step && !self.is_stopped_by(witness) {

@@ -303,6 +303,11 @@ impl Witness for Recorder<'_> {
         }
         self.see_turns(machine);
         self.see(machine);
+        self.before_jump(machine);
+    }
+
+    /// Keeps what there is before relays switch.
+    fn before_jump(&mut self, machine: &Machine<'_>) {
         if self.watch.is_some() {
             self.unswitched.copy_from_slice(&machine.registers);
             let derivatives = values(&self.probes, machine, Instant::Now).skip(self.probes.len());
@@ -333,14 +338,19 @@ impl Witness for Recorder<'_> {
         self.next_time - self.held
     }
 
-    /// Writes down the instants of the grid within the last quiet step, and at its end.
-    fn glided(&mut self, machine: &Machine<'_>, flight: &mut Flight) {
-        let tables = &machine.program.tables;
+    /// Writes down the instants of the grid within the last quiet stretch.
+    fn glided_up_to(&mut self, machine: &Machine<'_>, flight: &mut Flight) {
         while let Some(time) = self.next_before(self.clock(machine) * (1.0 - SAME)) {
-            flight.look_back(tables, time - self.held);
+            flight.look_back(&machine.program.tables, time - self.held);
             self.see_within(time, flight);
             self.write_seen(time, flight.seen());
         }
+    }
+
+    /// The same, and at its end.
+    fn glided(&mut self, machine: &Machine<'_>, flight: &mut Flight) {
+        self.glided_up_to(machine, flight);
+        let tables = &machine.program.tables;
         if self.due(machine).is_some() {
             flight.show(tables);
         }
