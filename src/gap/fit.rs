@@ -133,6 +133,11 @@ impl Point {
             offsets: vec![0.0; offsets],
         }
     }
+
+    /// What is turned to it for a run beside a record.
+    pub(super) fn choice(&self, record: usize) -> Choice {
+        Choice { knobs: self.knobs.clone(), initial: self.initial[record].clone() }
+    }
 }
 
 impl Task<'_> {

@@ -1,6 +1,6 @@
 //! Amplifiers that are overloaded where the data lead a patch.
 
-use super::model::{Choice, ModelError};
+use super::model::ModelError;
 use super::stage::{Problem, Stage};
 use crate::instruments::number;
 use crate::trace::Overload;
@@ -14,10 +14,10 @@ impl Problem {
         let parts = [(&self.train, &stage.train.point), (&self.test, &stage.test.point)];
         for (records, point) in parts {
             let model = self.model(&stage.version, records, &self.outputs)?;
-            let overloaded = records.iter().enumerate().find_map(|(place, record)| {
-                let choice = Choice { knobs: point.knobs.clone(), initial: point.initial[place].clone() };
-                Some((record, model.overload(place, &choice)?))
-            });
+            let overloaded = records
+                .iter()
+                .enumerate()
+                .find_map(|(place, record)| Some((record, model.overload(place, &point.choice(place))?)));
             let Some((record, Overload { element, time, peak, .. })) = overloaded else { continue };
             return Ok(Some(format!(
                 "Beside {} the amplifier {element} is overloaded at {} s, asked for {} V: beyond 100 V the patch is not what it stands for. Let a volt of its scale stand for more, and search again.",

@@ -10,7 +10,7 @@ use super::experiment::{Experiment, Feed};
 use super::fit::{Fitted, MANY_DAMPINGS, MOST_ROUNDS, ONE_DAMPING, Point, SETTLED_SHARE, Task};
 use super::graft::{Attached, Brought, Place, Role};
 use super::intervals::Known;
-use super::model::{Choice, Course, Model, ModelError, share};
+use super::model::{Course, Model, ModelError, share};
 use super::reach::{Extent, Largest};
 use super::record::Record;
 use super::score::{colour, memory};
@@ -520,10 +520,8 @@ impl Problem {
         let patch = circuit.patch();
         let names = patch.signals.keys().chain(patch.drives.keys()).cloned().collect::<Vec<_>>();
         let model = self.model(&stage.version, &self.train, &names)?;
-        let initial = stage.train.point.initial.iter().enumerate();
-        let courses = initial.map(|(record, initial)| {
-            let choice = Choice { knobs: stage.train.point.knobs.clone(), initial: initial.clone() };
-            model.run(record, &[choice]).pop().flatten().unwrap_or_default()
+        let courses = (0..self.train.len()).map(|record| {
+            model.run(record, &[stage.train.point.choice(record)]).pop().flatten().unwrap_or_default()
         });
         let courses = courses.collect();
         Ok((names, courses))

@@ -1,7 +1,7 @@
 //! How many steps the solver takes from sample to sample, so that its own error stays well under the noise.
 
 use super::fit::Point;
-use super::model::{Choice, Course, ModelError};
+use super::model::{Course, ModelError};
 use super::stage::{Problem, Stage, Version};
 use crate::instruments::number;
 use crate::patch::Patch;
@@ -107,12 +107,8 @@ impl Problem {
     /// What a version gives at a point with so many steps; nothing where a record cannot be run.
     fn stepped(&self, version: &Version, at: &Point, steps: u32) -> Result<Option<Vec<Course>>, ModelError> {
         let model = self.model(&Version { steps, ..version.clone() }, &self.train, &self.outputs)?;
-        let choices =
-            at.initial.iter().map(|initial| Choice { knobs: at.knobs.clone(), initial: initial.clone() });
-        let choices: Vec<Choice> = choices.collect();
-        let courses = spare::each(choices.len(), |record| {
-            model.run(record, std::slice::from_ref(&choices[record])).pop().flatten()
-        });
+        let courses =
+            spare::each(at.initial.len(), |record| model.run(record, &[at.choice(record)]).pop().flatten());
         Ok(courses.into_iter().collect())
     }
 

@@ -140,10 +140,6 @@ impl Kernel {
     fn accept<V: Lane>(&self, frame: &mut Frame<V>, span: &Span<V>) {
         self.store(frame, span);
         self.go(frame, span);
-        for (index, slot) in self.kept.iter().enumerate() {
-            let place = self.layout.kept + index;
-            frame.slots[place] = span.gone(frame.slots[*slot as usize], frame.slots[place]);
-        }
     }
 
     /// Goes to the end of the stretch looked at.
@@ -157,6 +153,10 @@ impl Kernel {
         let [.., end] = &frame.stages;
         for (rate, end) in frame.rates.iter_mut().zip(end) {
             *rate = span.gone(*end, *rate);
+        }
+        for (index, slot) in self.kept.iter().enumerate() {
+            let place = self.layout.kept + index;
+            frame.slots[place] = span.gone(frame.slots[*slot as usize], frame.slots[place]);
         }
         frame.time = span.end;
     }
@@ -242,7 +242,7 @@ impl Kernel {
         self.accept(frame, &span);
     }
 
-    /// The same up to an instant at which something happens: what is kept is not renewed, nor what comes out of delay lines heard.
+    /// The same up to an instant at which something jumps: what comes out of delay lines there is not yet heard.
     pub fn take_up_to(&self, frame: &mut Frame<f64>, time: f64) {
         let span = self.remember_stretch(frame, time);
         self.put_stored(frame, time);

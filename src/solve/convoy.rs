@@ -237,7 +237,7 @@ impl Wing {
         lanes(behind).for_each(|lane| members[lane].look_up(self, lane));
     }
 
-    /// Takes a step in which some meet something: these go alone, and come back where they are still in the same flight then.
+    /// Takes a step in which some meet something: these go alone, and come back where they are still in flight then.
     fn part(&mut self, members: &mut [Member<'_, '_>]) {
         let (mut gone, end) = (0, self.steps.end_of(0));
         loop {
@@ -252,8 +252,7 @@ impl Wing {
         for lane in lanes(gone) {
             members[lane].expect_to_meet();
             members[lane].go_alone(self.steps.first);
-            let own = (self.equipment(), self.steps);
-            if members[lane].in_flight().is_some_and(|flight| are_beside(own, flight)) {
+            if members[lane].in_flight().is_some() {
                 self.board(lane, &mut members[lane]);
             }
         }

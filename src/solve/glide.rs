@@ -272,7 +272,7 @@ impl Machine<'_> {
             gone += done;
             // What is met is crossed, and a sample within a step is read off that step.
             if done < count || count == 0 {
-                match self.fly_across(flight, left.end_of(done), Halt::Quiet, witness) {
+                match self.fly_across(flight, left.end_of(done), false, witness) {
                     Halt::Quiet => gone += 1,
                     halt => return (gone, halt),
                 }
@@ -287,7 +287,7 @@ impl Machine<'_> {
     /// Goes on to what is known to come before the end of a step, or at it.
     pub(super) fn fly_to_jump(&mut self, aloft: Aloft, end: f64, witness: &mut impl Witness) -> Halt {
         let end = if aloft.until < end - SAME * self.step { aloft.until } else { end };
-        self.with_flight(aloft, |machine, flight| machine.fly_across(flight, end, Halt::Jump, witness))
+        self.with_flight(aloft, |machine, flight| machine.fly_across(flight, end, true, witness))
     }
 
     /// Ends a flight where it is, and was halted.
@@ -309,20 +309,13 @@ impl Machine<'_> {
             machine.work_out_before_now();
             machine.check_now()?;
             witness.before_jump(machine);
-            machine.remember_values();
             Ok(())
         })
     }
 
-    /// Goes on to a time across every corner, unless something else is met. Tells what has halted it, or what does at that
-    /// time.
-    fn fly_across(
-        &mut self,
-        flight: &mut Flight,
-        end: f64,
-        at_end: Halt,
-        witness: &mut impl Witness,
-    ) -> Halt {
+    /// Goes on to a time across every corner, unless something else is met or something jumps at that time. Tells what has
+    /// halted it.
+    fn fly_across(&mut self, flight: &mut Flight, end: f64, jumps: bool, witness: &mut impl Witness) -> Halt {
         flight.show(&self.program.tables);
         flight.frame.stand();
         for _ in 0..MOST_CROSSINGS {
@@ -347,7 +340,7 @@ impl Machine<'_> {
             match met.map(|met| met.kind) {
                 Some(Kind::Guard) => return Halt::Change(share * length),
                 Some(Kind::Range) => return Halt::Unclear,
-                _ if time >= end && at_end == Halt::Jump => {
+                _ if time >= end && jumps => {
                     sight.accept_up_to(time);
                     self.time = time;
                     witness.glided_up_to(self, flight);

@@ -7,7 +7,7 @@ use super::unknown::{Found, Shape, Sought, Start, between};
 use super::{Curve, Force, Whereabouts};
 use crate::gap::effort::Effort;
 use crate::gap::fit::{Fitted, Point, Task, unexplained};
-use crate::gap::model::{Choice, ModelError, Table, begun};
+use crate::gap::model::{ModelError, Table, begun};
 use crate::gap::record::Record;
 use crate::gap::site::{Junction, Reading, Sites};
 use crate::gap::stage::{Problem, Stage, Version};
@@ -217,8 +217,8 @@ impl At<'_> {
         let model = self.problem.model(version, &self.problem.train, &names)?;
         let mut tracks = vec![Vec::new(); names.len()];
         for (record, force) in forces.iter().enumerate() {
-            let choice = Choice { knobs: point.knobs.clone(), initial: point.initial[record].clone() };
-            let course = model.run_tabled(record, Table::Drive(drive), &[(choice, force.clone())]);
+            let course =
+                model.run_tabled(record, Table::Drive(drive), &[(point.choice(record), force.clone())]);
             // It has run for the outputs; of what does not run now no curve is drawn.
             let Some(course) = course.into_iter().flatten().next() else { return Ok(Vec::new()) };
             tracks.iter_mut().zip(course).for_each(|(own, track)| own.push(track));
