@@ -1,5 +1,6 @@
 //! How much is done to fit a patch: from how many points, through which heats, and to how much of the records.
 
+use super::begun::Begun;
 use super::fit::{MOST_ROUNDS, Point, Reached, Task};
 use super::model::Model;
 use super::record::Record;
@@ -109,18 +110,19 @@ impl Effort {
     }
 
     /// Where a task comes to from the best of several points.
-    pub(super) fn best(self, task: &Task<'_>, starts: &Starts) -> Option<Point> {
-        self.ahead(task, starts).into_iter().next()
+    pub(super) fn best(self, task: &Task<'_>, starts: &Starts, begun: &mut Begun) -> Option<Point> {
+        self.ahead(task, starts, begun).into_iter().next()
     }
 
-    /// Where a task comes to from the points that are ahead after the last heat, the best first.
-    pub(super) fn ahead(self, task: &Task<'_>, starts: &Starts) -> Vec<Point> {
-        let sure = starts.sure.iter().chain(&starts.found).cloned();
-        let begun = |point: Point| Reached { point, chi2: f64::INFINITY, has_ended: false };
+    /// Where a task comes to from the points that are ahead after the last heat, the best first; what is known of points from
+    /// which it was begun before is kept in `begun`.
+    pub(super) fn ahead(self, task: &Task<'_>, starts: &Starts, begun: &mut Begun) -> Vec<Point> {
+        let from = |point: Point| Reached { point, chi2: f64::INFINITY, has_ended: false };
         let first = self.heats.first().and_then(|heat| Beginnings::of(task, heat.until));
         let looked_at = first.as_ref().map_or(*task, |own| own.task(task));
-        let nearest = looked_at.nearest(&starts.others, &starts.sure, self.starts).cloned();
-        let mut ahead: Vec<Reached> = sure.chain(nearest).map(begun).collect();
+        let sure = starts.sure.iter().chain(&starts.found);
+        let nearest = looked_at.nearest(&starts.others, &starts.sure, self.starts, begun);
+        let mut ahead: Vec<Reached> = sure.chain(nearest).cloned().map(from).collect();
         let mut seen = 1.0;
         for heat in self.heats {
             let beginnings = Beginnings::of(task, heat.until);
@@ -130,7 +132,10 @@ impl Effort {
                 true => Some(own),
                 false => part.reached(&own.point),
             };
-            ahead = ahead.into_iter().filter_map(goes_on).collect();
+            ahead = match heat.rounds == 1 {
+                true => part.led(ahead.iter().map(|own| &own.point), begun),
+                false => ahead.into_iter().filter_map(goes_on).collect(),
+            };
             ahead.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
             // What has ended keeps nobody back: where an effect is not felt, as a stop that is not met, nothing moves.
             let mut places = heat.ahead;

@@ -201,23 +201,8 @@ impl Task<'_> {
         rounds >= FIRST_ROUNDS && chi2 - gain * left as f64 > self.wanted
     }
 
-    /// So many of several points, those with the least sums of squares first; none that comes to the same as one of others: what
-    /// is not felt there has no slope.
-    pub fn nearest<'p>(
-        &self,
-        points: &'p [Point],
-        others: &[Point],
-        count: usize,
-    ) -> impl Iterator<Item = &'p Point> {
-        let (looks, known) = (self.look(points), self.look(others));
-        let is_new = |index: &usize| looks[*index].is_finite() && !known.contains(&looks[*index]);
-        let mut order: Vec<usize> = (0..points.len()).filter(is_new).collect();
-        order.sort_by(|a, b| looks[*a].total_cmp(&looks[*b]));
-        order.into_iter().take(count).map(|index| &points[index])
-    }
-
     /// The sums of squares at several points; infinite where the model cannot be run.
-    fn look(&self, points: &[Point]) -> Vec<f64> {
+    pub(super) fn look(&self, points: &[Point]) -> Vec<f64> {
         let shares: Vec<_> = points.iter().map(|point| self.shares(point)).collect();
         let courses = self.courses(&shares);
         let pairs = shares.iter().zip(&courses);

@@ -1,5 +1,6 @@
 //! The records that are held back: only the voltages with which integrators begin are found there.
 
+use super::begun::Begun;
 use super::effort::{Effort, Starts};
 use super::fit::{Fitted, MOST_ROUNDS, Point, Task};
 use super::model::ModelError;
@@ -81,7 +82,7 @@ impl Problem {
             others: (0..known.len()).flat_map(moved).map(at).collect(),
             ..Starts::default()
         };
-        let best = Effort::FROM_ANYWHERE.best(&task, &starts);
+        let best = Effort::FROM_ANYWHERE.best(&task, &starts, &mut Begun::default());
         Ok(best.map_or_else(|| known.to_vec(), |best| best.initial[0].clone()))
     }
 }

@@ -6,6 +6,7 @@
 //! in, [`model`] runs the patch beside the records, [`fit`] turns its parameters, and [`search`] does all that for every
 //! effect and judges what came of it.
 
+mod begun;
 pub mod beyond;
 pub mod blind;
 pub mod candidate;

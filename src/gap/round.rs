@@ -323,6 +323,11 @@ impl Round {
     }
 }
 
+/// Whether the best of so many trials gains what its score must be, the numbers that it needs left out, were what it leaves white.
+pub(super) fn may_show(before: &Stage, best: &Stage, trials: usize) -> bool {
+    before.train.chi2 - best.train.chi2 > needed(trials) * best.train.reduced()
+}
+
 /// The score that the best of so many must have.
 fn needed(trials: usize) -> f64 {
     CHANCE + TRIED * (trials.max(1) as f64).ln()
@@ -403,6 +408,15 @@ mod tests {
         let of = |test: [f64; 2]| beside(&like.0.aliases[0], test, 100.0);
         assert_eq!(of([28.0, 5.0]), ("overflow".to_owned(), 1));
         assert_eq!(of([24.0, 5.0]), ("rich".to_owned(), 2));
+    }
+
+    #[test]
+    fn what_gains_less_than_any_score_asks_for_does_not_show() {
+        let like = any();
+        let of = |height: f64| trial(&like, "", 3, height, [1.0; 2]).1;
+        // Noise of 2000 samples, of which 40 trials ask for 11 squares.
+        let shows = |height: f64| may_show(&of(1.414), &of(height), 40);
+        assert!(shows(1.409) && !shows(1.411));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use serde_json::json;
 
+use super::begun::Begun;
 use super::candidate::Candidate;
 use super::clock::begun_anew;
 use super::effort::{Effort, Starts};
@@ -95,8 +96,10 @@ pub struct Stage {
     pub colour: f64,
     /// How long it remembers: [`memory`].
     pub memory: f64,
-    /// Where the fit to the pieces came to; nothing where the gap is so small that it was not needed.
+    /// Where the fit to the pieces came to; nothing where what it began with left so little that it was not needed.
     pub in_pieces: Option<Point>,
+    /// What is known of the points from which it was fitted.
+    pub(super) seen: Seen,
     /// Whether it was gone through with, or looked at quickly only.
     pub gone_through: bool,
     /// How well each value that is fitted is known; nothing before [`Problem::with_errors`].
@@ -108,10 +111,11 @@ impl Stage {
         version: Version,
         [train, test]: [Fitted; 2],
         in_pieces: Option<Point>,
+        seen: Seen,
         gone_through: bool,
     ) -> Stage {
         let (colour, memory) = (colour(&train.residuals), memory(&train));
-        Stage { version, train, test, colour, memory, in_pieces, gone_through, known: Vec::new() }
+        Stage { version, train, test, colour, memory, in_pieces, seen, gone_through, known: Vec::new() }
     }
 
     /// What no noise explains, in sigmas rms.
@@ -211,6 +215,14 @@ pub struct Asked<'a> {
     pub known: Option<&'a [f64]>,
 }
 
+/// What is known of points from which records were fitted: whole, in pieces, and a few of many.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Seen {
+    whole: Begun,
+    pieces: Begun,
+    few: Begun,
+}
+
 /// From where a stage is fitted.
 #[derive(Debug, Clone)]
 struct From<'a> {
@@ -220,13 +232,15 @@ struct From<'a> {
     in_pieces: Option<Starts>,
     /// The initial voltages of the records that are held back, as an earlier fit found them.
     held: Option<&'a [Vec<f64>]>,
+    /// What is known of some of the points.
+    seen: Seen,
     effort: Effort,
 }
 
 impl From<'_> {
     fn points(others: Vec<Point>) -> Self {
         let starts = Starts { others, ..Starts::default() };
-        From { starts, in_pieces: None, held: None, effort: Effort::FULL }
+        From { starts, in_pieces: None, held: None, seen: Seen::default(), effort: Effort::FULL }
     }
 }
 
@@ -327,24 +341,25 @@ impl Problem {
     /// # Errors
     /// When the patch cannot be run beside the records at all.
     fn stage(&self, version: Version, from: From<'_>, wanted: f64) -> Result<Option<Stage>, ModelError> {
-        let in_pieces = from.in_pieces.map(|starts| self.in_pieces(&version, &starts, from.effort));
-        let in_pieces = in_pieces.transpose()?.flatten();
+        let mut seen = from.seen;
+        let pieces = from.in_pieces.map(|own| self.in_pieces(&version, &own, from.effort, &mut seen.pieces));
+        let in_pieces = pieces.transpose()?.flatten();
         let model = self.model(&version, &self.train, &self.outputs)?;
         let task = Task { wanted, ..self.task(&model, &self.train, true) };
         let mut starts = from.starts;
         let joined = in_pieces.as_ref().map(|point| self.joined_up(point));
-        let led = self.at_a_glance(&version, &task, &starts, from.effort)?;
+        let led = self.at_a_glance(&version, &task, &starts, from.effort, &mut seen)?;
         let best = led.and_then(|(all, led)| {
             let sure = led.into_iter().chain(joined.clone()).collect();
-            all.best(&task, &Starts { sure, ..Starts::default() })
+            all.best(&task, &Starts { sure, ..Starts::default() }, &mut seen.whole)
         });
         let best = best.or_else(|| {
             starts.sure.extend(joined);
-            from.effort.best(&task, &starts)
+            from.effort.best(&task, &starts, &mut seen.whole)
         });
         let Some(train) = best.and_then(|point| task.told(&point)) else { return Ok(None) };
         let test = self.held(&version, &train.point, from.held, from.effort)?;
-        Ok(test.map(|test| Stage::new(version, [train, test], in_pieces, from.effort.is_thorough)))
+        Ok(test.map(|test| Stage::new(version, [train, test], in_pieces, seen, from.effort.is_thorough)))
     }
 
     /// Fits a patch to the pieces: where it comes to from the best of several points.
@@ -353,10 +368,11 @@ impl Problem {
         version: &Version,
         starts: &Starts,
         effort: Effort,
+        begun: &mut Begun,
     ) -> Result<Option<Point>, ModelError> {
         let model = self.model(version, &self.pieces, &self.outputs)?;
         let task = self.task(&model, &self.pieces, true);
-        Ok(effort.best(&task, starts))
+        Ok(effort.best(&task, starts, begun))
     }
 
     /// The places of records, all or a few of many, from which a first look takes its data.
@@ -374,16 +390,17 @@ impl Problem {
         all: &Task<'_>,
         starts: &Starts,
         effort: Effort,
+        seen: &mut Seen,
     ) -> Result<Option<(Effort, Vec<Point>)>, ModelError> {
         let places = self.glance();
         let is_open = starts.sure.iter().chain(&starts.found).chain(&starts.others).count() > 1;
         let split = effort.split().filter(|_| is_open && places.len() < self.train.len());
         let Some([few, rest]) = split else { return Ok(None) };
         let nearly = Task { most_rounds: NEARLY, dampings: ONE_DAMPING, ..*all };
-        let glanced = self.glanced(version, &places, starts, few)?;
+        let glanced = self.glanced(version, &places, starts, few, &mut seen.few)?;
         let mut led: Vec<Point> = glanced.iter().filter_map(|point| nearly.settled(point)).collect();
         match effort.is_thorough {
-            true => led.extend(all.nearest(&starts.others, &starts.sure, 1).cloned()),
+            true => led.extend(all.nearest(&starts.others, &starts.sure, 1, &mut seen.whole).cloned()),
             false => led.extend(starts.sure.first().cloned()),
         }
         led.extend(starts.found.clone());
@@ -397,6 +414,7 @@ impl Problem {
         places: &[usize],
         starts: &Starts,
         effort: Effort,
+        begun: &mut Begun,
     ) -> Result<Vec<Point>, ModelError> {
         let records: Vec<Record> = places.iter().map(|place| self.train[*place].clone()).collect();
         let model = self.model(version, &records, &self.outputs)?;
@@ -412,7 +430,7 @@ impl Problem {
         };
         let mut points = starts.sure.iter().chain(&starts.found).chain(&starts.others);
         let Some(first) = points.next() else { return Ok(Vec::new()) };
-        let ahead = effort.ahead(&self.task(&model, &records, true), &some).into_iter();
+        let ahead = effort.ahead(&self.task(&model, &records, true), &some, begun).into_iter();
         let whole = ahead.map(|own| {
             let mut initial = first.initial.clone();
             places.iter().zip(own.initial).for_each(|(place, begins)| initial[*place] = begins);
@@ -618,8 +636,10 @@ impl Problem {
             in_pieces: stage
                 .in_pieces
                 .as_ref()
+                .filter(|_| stage.is_far())
                 .map(|home| begun(home, asked.before.and_then(|before| before.in_pieces.as_ref()))),
             held: Some(&stage.test.point.initial),
+            seen: asked.before.map(|before| before.seen.clone()).unwrap_or_default(),
             effort: asked.effort,
         };
         let stage = self.stage(version, from, asked.wanted)?.ok_or(Untried::NotRun)?;

@@ -7,7 +7,7 @@ use super::effort::Effort;
 use super::graft::Attached;
 use super::model::ModelError;
 use super::progress::Part;
-use super::round::LeftOut;
+use super::round::{LeftOut, may_show};
 use super::settled::Found;
 use super::stage::{Asked, Peaks, Problem, Stage, Untried};
 use crate::pool;
@@ -53,7 +53,7 @@ impl Trying<'_> {
         let (mut tried, left_out) = self.looked_at(tell);
         let mut order = self.ahead(&tried, if self.found.is_some() { TRIED_AGAIN } else { TRIED_FULLY });
         self.harder(&mut tried, &order, Effort::FULL, Part::Full, tell);
-        loop {
+        while self.has_found(&tried) {
             let more = self.not_to_be_left(&tried, &order);
             if more.is_empty() {
                 break;
@@ -124,6 +124,12 @@ impl Trying<'_> {
             tried[*place] = better_of(tried[*place].take(), again);
             tried[*place].iter_mut().for_each(|(_, stage)| stage.gone_through |= gone_through);
         }
+    }
+
+    /// Whether the best gains what evidence asks for at least: where it does not, its other forms have nothing to be ahead in.
+    fn has_found(&self, tried: &[Tried]) -> bool {
+        let best = best_of(tried, 1).first().and_then(|best| tried[*best].as_ref());
+        best.is_some_and(|(_, stage)| may_show(self.stage, stage, tried.len()))
     }
 
     /// What is not left at a quick look, beside what stands in some places: one law has many forms, and where one is near the best,
