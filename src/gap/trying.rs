@@ -53,7 +53,7 @@ impl Trying<'_> {
         let (mut tried, left_out) = self.looked_at(tell);
         let mut order = self.ahead(&tried, if self.found.is_some() { TRIED_AGAIN } else { TRIED_FULLY });
         self.harder(&mut tried, &order, Effort::FULL, Part::Full, tell);
-        while self.has_found(&tried) {
+        loop {
             let more = self.not_to_be_left(&tried, &order);
             if more.is_empty() {
                 break;
@@ -126,17 +126,13 @@ impl Trying<'_> {
         }
     }
 
-    /// Whether the best gains what evidence asks for at least: where it does not, its other forms have nothing to be ahead in.
-    fn has_found(&self, tried: &[Tried]) -> bool {
-        let best = best_of(tried, 1).first().and_then(|best| tried[*best].as_ref());
-        best.is_some_and(|(_, stage)| may_show(self.stage, stage, tried.len()))
-    }
-
     /// What is not left at a quick look, beside what stands in some places: one law has many forms, and where one is near the best,
     /// the others may be ahead of it; and a law that others have in them needs fewer numbers, though many of those may stand before it.
+    /// Nothing where even the best gains less than evidence asks for: there is nothing to be ahead in.
     fn not_to_be_left(&self, tried: &[Tried], places: &[usize]) -> Vec<usize> {
         let of = |place: usize| Some((&self.all[place], &tried[place].as_ref()?.1));
         let best = best_of(tried, 1).first().and_then(|best| of(*best));
+        let best = best.filter(|(_, stage)| may_show(self.stage, stage, tried.len()));
         let Some((_, reached)) = best else { return Vec::new() };
         let leaves_less = |stage: &Stage, times: f64| stage.train.chi2 < times * reached.train.chi2;
         let near = places.iter().filter_map(|place| of(*place)).filter(|(_, stage)| leaves_less(stage, NEAR));
