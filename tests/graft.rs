@@ -288,6 +288,45 @@ fn a_changed_mass_is_slow_to_be_braked_too() {
     assert!(rough.beside(&[fc]).is_empty());
 }
 
+/// What the potentiometer before an integrator drives besides goes on as before.
+#[test]
+fn a_changed_mass_leaves_alone_what_is_driven_beside_it() {
+    let library = library();
+    let effect = library.get("mass-change").unwrap();
+    for jacks in [r#""x10": ["PM"]"#, r#""x10": ["PM"], "brake_x10": ["PB"]"#] {
+        let text = mass(false).text().replace(r#""x10": ["PM"]"#, jacks);
+        let text = text.replace(r#""force / velocity / m / 10""#, "0.25");
+        let beside = r#""PB": {"kind": "pot", "in": "+100", "setting": 0.01},
+            "LA": {"kind": "lag", "in": {"x1": ["PM"]}, "time": 0.1}, "BV":"#;
+        let text = text.replace(r#""BV":"#, beside);
+        let text = text.replace(r#""signals": {"#, r#""signals": {"beside": {"at": "LA"}, "#);
+        let patch = Patch::parse("beside.json", &text).unwrap_or_else(|report| panic!("{report}"));
+        let sites = sites(&patch);
+        let heavier = candidate(&Attached::all(effect, &sites)[0], &patch).graft.patch;
+        let set = [("r", 0.7), ("t1", 0.12)].map(|(name, value)| (name.to_owned(), value));
+        assert_follows(&track(&heavier, &set, "beside"), &track(&patch, &[], "beside"), 1e-6);
+        assert_ne!(velocity(&heavier, &set), velocity(&patch, &[]), "{jacks}");
+    }
+}
+
+/// A potentiometer's only cord may stand in a list.
+#[test]
+fn a_changed_mass_stands_before_what_sets_the_rate_however_that_is_written() {
+    let library = library();
+    let effect = library.get("mass-change").unwrap();
+    let braked = r#"{"x10": ["PM"], "brake_x10": ["PB"]}"#;
+    for (input, brake) in [(r#""SF""#, r#""+100""#), (r#"["SF"]"#, r#"["+100"]"#)] {
+        let text = mass(false).text().replace(r#"{"x10": ["PM"]}"#, braked);
+        let text = text.replace(r#""in": "SF""#, &format!(r#""in": {input}"#));
+        let brake = format!(r#""PB": {{"kind": "pot", "in": {brake}, "setting": 0.01}}, "BV":"#);
+        let patch = Patch::parse("braked.json", &text.replace(r#""BV":"#, &brake)).unwrap();
+        let sites = sites(&patch);
+        let heavier = candidate(&Attached::all(effect, &sites)[0], &patch).graft.patch;
+        let wired = &heavier.value()["elements"]["IV"]["in"];
+        assert_eq!((&wired["x10"][0], &wired["brake_x10"][0]), (&"PM".into(), &"PB".into()), "{input}");
+    }
+}
+
 /// What stands above the weir of the upper tank runs over, some of it into the lower one.
 #[test]
 fn a_weir_follows_its_law() {

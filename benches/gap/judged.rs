@@ -23,7 +23,7 @@ pub enum Judgement {
     Half,
     /// The truth is among two.
     Among,
-    /// Something is missing, and nothing is named.
+    /// Nothing is named: of what is missing, or where the data are said to tell nothing.
     Refused,
     /// Something is named that is not there, but some data cannot tell it from what is: each has the other among its aliases.
     Alias,

@@ -94,7 +94,9 @@ fn numbers(word: &str) -> Outcome<Vec<usize>> {
     }
     let (range, every) = word.split_once('/').unwrap_or((word, "1"));
     let (first, last) = range.split_once('-').unwrap_or(("1", range));
-    Ok((first.parse()?..=last.parse()?).step_by(every.parse::<usize>()?.max(1)).collect())
+    let numbers =
+        (first.parse()?..=last.parse()?).step_by(every.parse::<usize>()?.max(1)).collect::<Vec<_>>();
+    if numbers.is_empty() { Err(format!("{word} names no case").into()) } else { Ok(numbers) }
 }
 
 fn main() -> Outcome<()> {

@@ -189,18 +189,20 @@ static void draw_noise(struct hidden_case *c, struct chance *chance, const struc
     }
 }
 
-/* Where twelve sizes do not do, other numbers are drawn; the last draw stands as it is. */
+/* Where twelve sizes do not do, other numbers are drawn; the last draw stands as it is, unless it passes full scale: nothing is known
+ * then of what it hides. */
 struct hidden_case made(uint64_t seed, int number) {
     struct hidden_case c = {.number = number, .seed = seed, .plan = planned(seed, number)};
     struct chance aside = chance_of(seed, 2u << 30 | (uint64_t)number);
     struct attempt a = {0};
     c.target = scaled(&aside, 0.3, 30);
     c.train = new_record(TRAIN), c.test = new_record(800 + 100 * below(&aside, 5));
-    for (int draw = 0, good = 0; draw < DRAWS && !good; draw++) {
+    double share = 0;
+    for (int draw = 0, good = 0; (draw < DRAWS || !(share <= HIGHEST)) && !good; draw++) {
         a.gain = a.sizes[0] = a.sizes[1] = 1;
         for (int k = 0; k < TRIES && !good; k++) {
             struct chance chance = chance_of(seed, (uint64_t)draw << 32 | (uint64_t)number);
-            double share = attempted(&c, &a, &chance);
+            share = attempted(&c, &a, &chance);
             if (share <= HIGHEST && c.plan.count) examine(&c, &a);
             good = content(&c, &a, share, k);
         }

@@ -119,7 +119,10 @@ pub(super) fn check_not<'a>(
 ) -> Result<(), Failure> {
     let own = place(read)?;
     match places(paths)?.iter().find(|(_, place)| *place == own) {
-        Some((path, _)) => Err(Failure::usage(format!("{} is {what} itself", path.display()))),
+        Some((path, _)) => {
+            let path = path.display();
+            Err(Failure::usage(format!("{path} is {what} itself: give another name or folder to write to")))
+        }
         None => Ok(()),
     }
 }

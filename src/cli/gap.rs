@@ -6,7 +6,7 @@ use std::thread;
 use super::failure::{Failure, tell_report};
 use super::files::check_not;
 use super::gap_files::{Folder, embed};
-use super::numbers::seed;
+use super::numbers::{seed, threads};
 use super::progress::Bar;
 use super::{effects, gap_check, gap_report, say, say_json};
 use clap::Args;
@@ -40,8 +40,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NUMBER", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// How many effects are tried at the same time; as many as there are cores where it is not given
-    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..), allow_negative_numbers = true)]
-    threads: Option<u16>,
+    #[arg(long, value_name = "NUMBER", value_parser = threads, allow_negative_numbers = true)]
+    threads: Option<usize>,
     /// Print one JSON document on standard output, and nothing else there
     #[arg(long)]
     json: bool,
@@ -104,7 +104,7 @@ fn tell(bar: &mut Bar, at: Progress) {
 
 fn means<'a>(arguments: &Arguments, library: &'a Library) -> Means<'a> {
     let cores = thread::available_parallelism().map_or(1, usize::from);
-    Means { library, threads: arguments.threads.map_or(cores, usize::from), seed: arguments.seed }
+    Means { library, threads: arguments.threads.unwrap_or(cores), seed: arguments.seed }
 }
 
 fn not_run(experiment: &Experiment) -> Failure {

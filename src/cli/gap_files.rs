@@ -33,14 +33,33 @@ impl<'f> Folder<'f> {
         experiment.files.iter().try_for_each(|file| check_not("a record", file, paths.iter()))?;
         let tables = table_files(&experiment.patch);
         tables.iter().try_for_each(|file| check_not("a table of the patch", file, paths.iter()))?;
-        prepare(Some(folder), paths.iter())?;
-        Ok(Folder { folder })
+        let folder = Folder { folder };
+        folder.check_foreign()?;
+        prepare(Some(folder.folder), paths.iter())?;
+        Ok(folder)
+    }
+
+    /// Refuses to write over what no search has left.
+    fn check_foreign(&self) -> Result<(), Failure> {
+        let written = [AUGMENTED, FITTED, REPORT, PAGE].map(|file| self.folder.join(file));
+        match written.iter().find(|path| path.exists()) {
+            Some(path) if !self.report()["verdict"].is_string() => Err(Failure::usage(format!(
+                "{} is there already, and no search has left it: give another folder, or take it away",
+                path.display()
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// The report that an earlier search left; nothing where there is none.
+    fn report(&self) -> Value {
+        let report = fs::read_to_string(self.folder.join(REPORT)).unwrap_or_default();
+        serde_json::from_str(&report).unwrap_or_default()
     }
 
     /// The names of the files that an earlier search left, by its report.
     fn earlier(&self) -> Vec<String> {
-        let report = fs::read_to_string(self.folder.join(REPORT)).unwrap_or_default();
-        let report: Value = serde_json::from_str(&report).unwrap_or_default();
+        let report = self.report();
         let left = [&report["patch"], &report["recovered"], &report["separate"]["data"]];
         let names = left.into_iter().filter_map(|path| Path::new(path.as_str()?).file_name());
         names.map(|name| name.to_string_lossy().into_owned()).collect()

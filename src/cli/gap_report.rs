@@ -26,7 +26,9 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
     let told = matches!(outcome.verdict, Verdict::NothingMissing | Verdict::CannotJudge);
     if told && !outcome.limits.is_empty() {
         let table = weakest(&outcome.limits, "weakest that would have shown");
-        text += &format!("\nwhat these data would have shown, every effect where it shows best\n\n{table}");
+        text += &format!(
+            "\nwhat these data would have shown, every effect where it shows best of all places and values that were tried\n\n{table}"
+        );
     }
     for (number, round) in outcome.rounds.iter().enumerate() {
         text += &format!("\n{}\n\n{}", heading(number + 1, round, outcome), trials(round));

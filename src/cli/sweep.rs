@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::failure::{Failure, plural};
 use super::files::{check_apart, prepare, written};
 use super::load::{Loaded, PatchArguments, document};
+use super::numbers::threads;
 use super::progress::Bar;
 use super::times::{TimeArguments, refused, times_json};
 use super::{say, say_json, tell};
@@ -37,8 +38,8 @@ pub(super) struct Arguments {
     #[command(flatten)]
     times: TimeArguments,
     /// How many runs are made at the same time; as many as there are cores where it is not given
-    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, value_parser = threads)]
+    threads: Option<usize>,
     /// Append the rows to this CSV file; a sweep that was killed goes on where it was
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -141,8 +142,7 @@ impl Arguments {
     }
 
     fn threads(&self) -> usize {
-        let all = || thread::available_parallelism().map_or(1, usize::from);
-        self.threads.map_or_else(all, usize::from)
+        self.threads.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from))
     }
 }
 

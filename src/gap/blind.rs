@@ -7,6 +7,7 @@ use super::record::Record;
 use super::round::Round;
 use super::score::{colour, there};
 use super::stage::{COLOURED, Problem, Stage};
+use super::statistics::mean;
 use super::turned::Turned;
 use super::unrest::{NotWhite, SlowNoise};
 use crate::instruments::number;
@@ -83,10 +84,6 @@ pub(super) fn has_changed(stage: &Stage, output: usize) -> bool {
 /// What is left of an output, rms over its noise.
 pub(super) fn over_sigma(fitted: &Fitted, output: usize) -> f64 {
     mean(&squares(&fitted.residuals, output)).sqrt()
-}
-
-pub(super) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// What is left of an output in squares over the noise, sample by sample.
@@ -181,7 +178,7 @@ impl Problem {
             })
         });
         let moved = |track: Vec<f64>| {
-            let mean = track.iter().sum::<f64>() / track.len().max(1) as f64;
+            let mean = mean(&track);
             track.iter().map(|own| (own - mean).powi(2)).sum::<f64>()
         };
         tracks.map(moved).sum()

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::model::{Course, ModelError};
-use super::score::lags;
+use super::score::{autocorrelations, lags};
 use super::stage::{Problem, Stage};
 use crate::spare;
 
@@ -61,13 +61,12 @@ impl Problem {
             let (output, quantity) = pairs[place];
             let tracks = self.tracks(stage, &courses, output, quantity);
             let sizes: Vec<Tracks<'_>> = tracks.iter().map(|own| own.of(f64::abs)).collect();
-            let lags = lags_of(&tracks);
             let correlation = Correlation {
                 output: self.outputs[output].clone(),
                 with: names[quantity].clone(),
                 own: strongest(&tracks),
                 size: strongest(&sizes),
-                chance: chance(lags.len(), stage.memory, fewest_pairs(&tracks, &lags)),
+                chance: chance(&tracks).max(chance(&sizes)),
             };
             (output, correlation)
         });
@@ -111,7 +110,7 @@ impl Tracks<'_> {
     }
 }
 
-/// So many lags are looked at, at most.
+/// So many lags are looked at beside none, at most.
 const MOST_LAGS: usize = 64;
 
 /// The lags that are looked at, in seconds: evenly over those of the longest record that are looked at for colour.
@@ -121,18 +120,37 @@ fn lags_of(tracks: &[Tracks<'_>]) -> Vec<f64> {
     (0..=last).step_by(last.div_ceil(MOST_LAGS).max(1)).map(|lag| lag as f64 * longest.interval).collect()
 }
 
-/// How many samples are left to correlate at the longest lag.
-fn fewest_pairs(tracks: &[Tracks<'_>], lags: &[f64]) -> usize {
-    let longest = lags.last().copied().unwrap_or_default();
-    tracks.iter().map(|own| own.pairs(longest).count()).sum()
+/// The largest correlation that chance brings in 95 of 100 cases, or more of them where a record is short, with a quantity or its
+/// size at any lag. Lags within what the pairs remember are one, and so are samples.
+fn chance(tracks: &[Tracks<'_>]) -> f64 {
+    let (lags, memory) = (lags_of(tracks), memory(tracks));
+    let Some((first, longest)) = tracks.first().zip(lags.last()) else { return 1.0 };
+    let tried = 2.0 * (lags.len() as f64).min(1.0 + longest / (first.interval * memory));
+    let pairs: usize = tracks.iter().map(|own| own.pairs(*longest).count()).sum();
+    let freedom = (pairs as f64 / memory - 2.0).max(0.0);
+    let deviations = deviations(MISSED / tried);
+    deviations / (deviations * deviations + freedom).sqrt()
 }
 
-/// The largest correlation that chance brings in 95 of 100 cases, or more of them where a record is short, with a quantity and
-/// its size at so many lags, where so many pairs, at least, remember so long.
-fn chance(lags: usize, memory: f64, pairs: usize) -> f64 {
-    let tried = (2.0 * lags as f64).max(1.0);
-    (deviations(MISSED / tried) * (memory / pairs.max(1) as f64).sqrt()).min(1.0)
+/// Over how many samples pairs remember: 1 + 2 (sum of the products of the autocorrelations of both), as by M. S. Bartlett, Some
+/// aspects of the time-correlation problem, Journal of the Royal Statistical Society 98 (1935) 536. What is lost in chance is left
+/// out.
+fn memory(tracks: &[Tracks<'_>]) -> f64 {
+    let (mut sum, mut all) = (0.0, 0.0);
+    for own in tracks {
+        let (left, with): (Vec<f64>, Vec<f64>) = own.pairs(0.0).unzip();
+        let (count, most) = (left.len() as f64, left.len() / 4);
+        let products = autocorrelations(&left, most).zip(autocorrelations(&with, most));
+        let told = products.map(|(left, with)| left * with).filter(|product| product.abs() > LOST / count);
+        sum += count * (1.0 + 2.0 * told.sum::<f64>()).max(1.0);
+        all += count;
+    }
+    if all > 0.0 { sum / all } else { 1.0 }
 }
+
+/// Two autocorrelations are lost in chance where either lies within two of its standard errors, so many samples' inverse root:
+/// where their product is less than this over the number of samples.
+const LOST: f64 = 4.0;
 
 /// So often chance brings more.
 const MISSED: f64 = 0.05;
@@ -205,12 +223,46 @@ mod tests {
             let is_beyond = |seed: &u64| {
                 let left = normal(*seed, samples);
                 let own = [Tracks { left: &left, with: normal(1000 + seed, samples), interval: 0.1 }];
-                let (size, lags) = ([own[0].of(f64::abs)], lags_of(&own));
-                let most = chance(lags.len(), 1.0, fewest_pairs(&own, &lags));
+                let size = [own[0].of(f64::abs)];
+                let most = chance(&own).max(chance(&size));
                 strongest(&own).value.abs().max(strongest(&size).value.abs()) > most
             };
             let beyond = (0..400).filter(is_beyond).count();
             assert!(expected.contains(&beyond), "{samples} samples: {beyond} of 400");
+        }
+    }
+
+    /// Noise that remembers for so many samples.
+    fn slow(seed: u64, samples: usize, time: f64) -> Vec<f64> {
+        let keeps = libm::exp(-1.0 / time);
+        let next = |now: &mut f64, own: f64| {
+            *now = keeps * *now + own;
+            Some(*now)
+        };
+        normal(seed, samples + 1000).into_iter().scan(0.0, next).skip(1000).collect()
+    }
+
+    #[test]
+    fn slow_noise_goes_with_another_by_no_more_than_chance_and_shows_what_it_follows() {
+        for (one, other) in [(30.0, 30.0), (100.0, 3.0), (3.0, 100.0)] {
+            let (mut beyond, mut found) = (0, 0);
+            for seed in 0..200 {
+                let [left, with] =
+                    [(seed, one), (1000 + seed, other)].map(|(seed, time)| slow(seed, 2000, time));
+                let sigma = |own: &[f64]| (own.iter().map(|own| own * own).sum::<f64>() / 2000.0).sqrt();
+                let share = sigma(&left) / sigma(&with);
+                let follows: Vec<f64> =
+                    left.iter().zip(&with).map(|(own, with)| own + 2.0 * share * with).collect();
+                let is_beyond = |left: &[f64]| {
+                    let tracks = [Tracks { left, with: with.clone(), interval: 0.1 }];
+                    let sizes = [tracks[0].of(f64::abs)];
+                    let most = chance(&tracks).max(chance(&sizes));
+                    strongest(&tracks).value.abs().max(strongest(&sizes).value.abs()) > most
+                };
+                beyond += usize::from(is_beyond(&left));
+                found += usize::from(is_beyond(&follows));
+            }
+            assert!(beyond <= 20 && found >= 190, "{one} and {other}: {beyond} beyond, {found} found");
         }
     }
 

@@ -30,6 +30,24 @@ pub(super) struct Source {
     pub columns: Vec<(String, Placed<String>)>,
 }
 
+impl Source {
+    /// The other name that a column has in this file, if it has one.
+    pub fn renamed(&self, column: &str) -> Option<&Placed<String>> {
+        self.columns.iter().find(|(elsewhere, _)| elsewhere == column).map(|(_, here)| here)
+    }
+
+    /// The name that a column has in this file.
+    pub fn here<'s>(&'s self, column: &'s str) -> &'s str {
+        self.renamed(column).map_or(column, |here| &here.value)
+    }
+
+    /// Whether both read the same columns.
+    pub fn reads_as(&self, other: &Source) -> bool {
+        let mut either = self.columns.iter().chain(&other.columns);
+        either.all(|(column, _)| self.here(column) == other.here(column))
+    }
+}
+
 /// When the samples were taken.
 #[derive(Debug)]
 pub(super) enum Clock {

@@ -32,8 +32,26 @@ pub struct Task<'a> {
     pub most_rounds: usize,
     /// A fit has ended when a round lowers the sum of squares by less than this share of it, or by less than matters.
     pub settled: f64,
-    /// The dampings of steps that are tried side by side, as shares of the last.
-    pub dampings: &'static [f64],
+    /// The dampings of steps that are tried.
+    pub dampings: Ladder,
+}
+
+/// Dampings of steps, tried from the weakest on until one is better.
+#[derive(Debug, Clone, Copy)]
+pub struct Ladder {
+    /// Those that are tried side by side, as shares of the last that was better.
+    side_by_side: &'static [f64],
+    /// All of them so many times as much, where none is better,
+    higher: f64,
+    /// and so many times altogether.
+    rungs: usize,
+}
+
+impl Ladder {
+    /// Side by side, where what is sought may be far.
+    pub const MANY: Ladder = Ladder { side_by_side: &[0.1, 1.0, 10.0, 100.0], higher: 1e4, rungs: 3 };
+    /// One after the other, where the way is short, or runs side by side take as long.
+    pub const ONE: Ladder = Ladder { side_by_side: &[0.3], higher: 3.0, rungs: 16 };
 }
 
 /// A point from which a fit begins, or at which it ends.
@@ -58,7 +76,7 @@ pub struct Fitted {
     pub residuals: Vec<Vec<Vec<f64>>>,
     /// How many data there are.
     pub count: usize,
-    /// How many numbers were fitted.
+    /// How many numbers were fitted that the data tell of.
     pub free: usize,
 }
 
@@ -74,19 +92,28 @@ pub struct Reached {
 }
 
 impl Fitted {
-    /// The sum of squares of the residuals over their number: 1 where the model is right.
+    /// The sum of squares of the residuals over their degrees of freedom: 1 on average where the model is right.
     pub fn reduced(&self) -> f64 {
-        self.chi2 / self.count as f64
+        self.reduced_of(self.chi2)
     }
 
     /// What no noise explains of that: nothing, or next to it, where the model is right.
     pub fn unexplained(&self) -> f64 {
-        unexplained(self.chi2, self.count)
+        self.unexplained_of(self.chi2)
+    }
+
+    /// The same of another sum of squares of these data.
+    pub(super) fn unexplained_of(&self, chi2: f64) -> f64 {
+        (self.reduced_of(chi2) - 1.0).max(NEXT_TO_NOTHING)
+    }
+
+    fn reduced_of(&self, chi2: f64) -> f64 {
+        chi2 / self.count.saturating_sub(self.free).max(1) as f64
     }
 
     /// What is left, rms over the noise.
     pub fn over_noise(&self) -> f64 {
-        self.reduced().sqrt()
+        (self.chi2 / self.count as f64).sqrt()
     }
 
     /// The one that leaves least.
@@ -95,21 +122,10 @@ impl Fitted {
     }
 }
 
-/// What no noise explains of a sum of so many squares, each.
-pub(super) fn unexplained(chi2: f64, count: usize) -> f64 {
-    (chi2 / count as f64 - 1.0).max(NEXT_TO_NOTHING)
-}
-
 /// What is left unexplained counts as no less than this.
 const NEXT_TO_NOTHING: f64 = 1e-6;
 /// So often the derivatives are worked out at most, unless a task says otherwise.
 pub const MOST_ROUNDS: usize = 40;
-/// So many dampings are tried for a step at most.
-const MOST_TRIED: usize = 16;
-/// Side by side where what is sought may be far,
-pub const MANY_DAMPINGS: &[f64] = &[0.1, 1.0, 10.0, 100.0];
-/// and one after the other where the way is short, or runs side by side take as long.
-pub const ONE_DAMPING: &[f64] = &[0.3];
 /// So often they are worked out before a fit may be given up.
 const FIRST_ROUNDS: usize = 4;
 /// What does not matter: so much of the sum of squares, or, where more than noise is left, of what is left by a sample.
@@ -118,10 +134,12 @@ const SETTLED: f64 = 0.01;
 pub const SETTLED_SHARE: f64 = 1e-6;
 /// The derivatives of so many records are worked out before they are gathered: they take room.
 pub(super) const AT_ONCE: usize = 8;
-/// By this share of its range a coordinate is moved for a derivative.
+/// By this share of its range, or of 100 V, a coordinate is moved for a derivative.
 pub(super) const NUDGE: f64 = 1e-6;
 /// A coordinate that would change the squares by less than this, all its way, is left where it is.
 const LEAST_FELT: f64 = 1.0;
+/// Where so many data come on every number that is fitted, it does not matter which of these are felt.
+const MANY_DATA: usize = 100;
 
 impl Point {
     /// Where the patch stands.
@@ -395,8 +413,8 @@ impl Task<'_> {
         damping: f64,
     ) -> Option<(DVector<f64>, Vec<Course>, f64, f64)> {
         let mut damping = damping;
-        for _ in 0..(MOST_TRIED / self.dampings.len()) {
-            let tried: Vec<f64> = self.dampings.iter().map(|factor| factor * damping).collect();
+        for _ in 0..self.dampings.rungs {
+            let tried: Vec<f64> = self.dampings.side_by_side.iter().map(|factor| factor * damping).collect();
             let points: Vec<_> = tried.iter().map(|damping| self.damped(at, normal, *damping)).collect();
             let courses = self.courses(&points);
             let mut best: Option<(DVector<f64>, Vec<Course>, f64, f64)> = None;
@@ -410,16 +428,14 @@ impl Task<'_> {
             if best.is_some() {
                 return best;
             }
-            damping = 10.0 * tried.last().unwrap_or(&damping);
+            damping *= self.dampings.higher;
         }
         None
     }
 
     /// A step within the bounds: what would leave them stays there, and the rest goes without it.
     fn damped(&self, at: &DVector<f64>, normal: &Normal, damping: f64) -> DVector<f64> {
-        let mut free: Vec<usize> = (0..at.len())
-            .filter(|index| self.is_free(*index) && normal.matrix[(*index, *index)] > LEAST_FELT)
-            .collect();
+        let mut free = self.felt(normal);
         let mut to = at.clone();
         loop {
             let step = normal.solved(&free, damping);
@@ -441,6 +457,18 @@ impl Task<'_> {
         }
     }
 
+    /// The coordinates that are found, and change what is left.
+    fn felt(&self, normal: &Normal) -> Vec<usize> {
+        let is_felt = |index: &usize| normal.matrix[(*index, *index)] > LEAST_FELT;
+        (0..normal.gradient.len()).filter(|index| self.is_free(*index)).filter(is_felt).collect()
+    }
+
+    /// How many numbers are found from so many data.
+    fn free(&self, at: &DVector<f64>, courses: &[Course], count: usize) -> usize {
+        let free = (0..at.len()).filter(|index| self.is_free(*index)).count();
+        if count >= MANY_DATA * free { free } else { self.felt(&self.normal(at, courses)).len() }
+    }
+
     /// What is to be told of a point that was fitted; nothing where the model cannot be run there.
     pub fn told(&self, point: &Point) -> Option<Fitted> {
         let at = self.shares(point);
@@ -451,7 +479,7 @@ impl Task<'_> {
         });
         let residuals: Vec<Vec<Vec<f64>>> = residuals.collect();
         let count = residuals.iter().flatten().flatten().filter(|value| !value.is_nan()).count();
-        let free = (0..at.len()).filter(|index| self.is_free(*index)).count();
+        let free = self.free(&at, &courses, count);
         Some(Fitted { point: point.clone(), chi2, residuals, count, free })
     }
 }
@@ -511,7 +539,7 @@ mod tests {
             wanted: f64::INFINITY,
             most_rounds: MOST_ROUNDS,
             settled: SETTLED_SHARE,
-            dampings: ONE_DAMPING,
+            dampings: Ladder::ONE,
         };
         let from = Point { knobs: Vec::new(), initial: vec![vec![from]], offsets: vec![0.0] };
         task.fit(&from).unwrap().point.initial[0][0]

@@ -425,21 +425,33 @@ impl<'a> Wiring<'a> {
     }
 
     /// Every cord that drives an integrator, its brake among them; before the potentiometer that it comes through, which sets a
-    /// rate and has to stay beside the integrator.
+    /// rate and has to stay beside the integrator, unless that drives something else, too.
     fn driving(&self, junction: &Junction) -> IndexSet<Total> {
         let elements = &self.patch.value()["elements"];
         let jacks = elements[&junction.integrator]["in"].as_object().into_iter().flatten();
         let own = jacks.filter(|(jack, _)| jack.starts_with('x') || jack.starts_with("brake_x"));
-        let cords = own
-            .flat_map(|(_, cords)| cords.as_array().map_or(std::slice::from_ref(cords), Vec::as_slice))
-            .filter_map(Value::as_str);
         let total = |from: &str, to: &str| Total { from: from.to_owned(), to: to.to_owned() };
-        cords
-            .map(|from| match (elements[from]["kind"].as_str(), elements[from]["in"].as_str()) {
-                (Some("pot"), Some(behind)) => total(behind, from),
+        let each = own.flat_map(|(_, driven)| cords(driven)).map(|from| {
+            let behind: Vec<&str> = match elements[from]["kind"].as_str() {
+                Some("pot") if !self.drives_other(from, &junction.integrator) => {
+                    cords(&elements[from]["in"]).collect()
+                }
+                _ => Vec::new(),
+            };
+            match behind.as_slice() {
+                [behind] => total(behind, from),
                 _ => total(from, &junction.integrator),
-            })
-            .collect()
+            }
+        });
+        each.collect()
+    }
+
+    /// Whether an element drives more than this one.
+    fn drives_other(&self, from: &str, to: &str) -> bool {
+        let others = self.patch.elements.iter().filter(|(name, _)| *name != to);
+        let mut plugs = others.flat_map(|(_, entry)| &entry.plugs);
+        let mut inlets = self.patch.instances.values().flat_map(|instance| instance.inputs.values());
+        plugs.any(|plug| plug.from.value == from) || inlets.any(|inlet| inlet.driver.as_deref() == Some(from))
     }
 
     /// Wires it into the cords of an output, to elements and to instances of macros.
@@ -654,6 +666,11 @@ fn put(edits: &mut Vec<Edit>, patch: &Patch, section: &str, name: &str, value: V
         }
         _ => edits.push(Edit { path: vec![section.to_owned()], value: json!({name: value}) }),
     }
+}
+
+/// What drives a jack: one cord, or a list of them.
+fn cords(jack: &Value) -> impl Iterator<Item = &str> {
+    jack.as_array().map_or(std::slice::from_ref(jack), Vec::as_slice).iter().filter_map(Value::as_str)
 }
 
 /// Puts other cords into jacks.

@@ -7,11 +7,10 @@ use super::model::{Course, ModelError};
 use super::normal::{Column, Normal, Spread, product};
 use super::score::{in_blocks, together};
 use super::stage::{Problem, Stage};
+use super::statistics::student_95;
 use crate::instruments::number;
 use crate::pool;
 
-/// The standard errors, from twenty blocks, on either side of a value between which it lies in 95 of 100 cases: Student.
-pub(super) const TWO_SIDED_95: f64 = 2.09;
 /// Derivatives are taken over this share of a range at most,
 const MOST_NUDGE: f64 = 0.02;
 /// and over less where that changes what was measured by more than twice so much of the noise, rms: several times what the
@@ -69,6 +68,8 @@ struct Around<'a> {
     white: Vec<f64>,
     /// and as wide as it is; infinite where the data do not tell.
     errors: Vec<f64>,
+    /// Within how many of these 95 of 100 cases lie, by how many blocks there are.
+    within_95: f64,
     spread: Spread,
 }
 
@@ -139,7 +140,8 @@ impl<'a> Task<'a> {
         });
         let errors = errors.collect();
         let chi2 = self.chi2(&at, &courses);
-        Some(Around { task: self, at, chi2, white, errors, spread })
+        let within_95 = student_95(far.pulls.len().saturating_sub(1));
+        Some(Around { task: self, at, chi2, white, errors, within_95, spread })
     }
 }
 
@@ -223,7 +225,7 @@ impl Around<'_> {
             return Known::NOT;
         }
         let knob = &self.task.model.knobs[place];
-        let by = TWO_SIDED_95 * self.errors[place];
+        let by = self.within_95 * self.errors[place];
         Known {
             error: knob.slope(knob.at(self.at[place])) * self.errors[place],
             interval: [-by, by].map(|by| knob.at(self.at[place] + by)),
@@ -235,9 +237,9 @@ impl Around<'_> {
         let most = (self.task.bounds(place)[side] - self.at[place]).abs();
         let sign = [-1.0, 1.0][side];
         let held = Task { held: Some(place), most_rounds: ROUNDS, ..self.task };
-        let wanted = (TWO_SIDED_95 * self.errors[place] / self.white[place]).powi(2);
+        let wanted = (self.within_95 * self.errors[place] / self.white[place]).powi(2);
         let along = self.spread.along(place);
-        let mut step = TWO_SIDED_95 * self.errors[place];
+        let mut step = self.within_95 * self.errors[place];
         let (mut from, mut gone, mut risen) = (self.at.clone(), 0.0, 0.0_f64);
         let mut least = Reached { point: self.task.point(&self.at), chi2: self.chi2, has_ended: true };
         for _ in 0..=MOST_WIDENED {
@@ -298,14 +300,14 @@ mod tests {
         let (patch, fit, problem) = decay(sigma, 32);
         let base = problem.base(&patch, &fit, 1).unwrap().unwrap();
         let known = problem.with_intervals(base, 0, 1).unwrap().known(0);
-        (known, known.interval.map(|rate| rise(rate) / (TWO_SIDED_95 * sigma).powi(2)))
+        (known, known.interval.map(|rate| rise(rate) / (student_95(19) * sigma).powi(2)))
     }
 
     #[test]
     fn an_interval_is_proportional_to_a_small_noise() {
         let (known, rises) = known(0.01);
         assert!(rises.iter().all(|rise| (rise - 1.0).abs() < 0.05), "{known:?} {rises:?}");
-        let half = TWO_SIDED_95 * known.error;
+        let half = student_95(19) * known.error;
         assert!(known.interval.iter().all(|end| ((end - RATE).abs() / half - 1.0).abs() < 0.01), "{known:?}");
     }
 
@@ -314,7 +316,7 @@ mod tests {
     fn an_interval_goes_on_where_values_further_off_change_little() {
         let (known, rises) = known(3.5);
         assert!((0.5..1.5).contains(&rises[1]), "{known:?} {rises:?}");
-        assert!(known.interval[1] - RATE > 1.5 * TWO_SIDED_95 * known.error, "{known:?}");
+        assert!(known.interval[1] - RATE > 1.5 * student_95(19) * known.error, "{known:?}");
         assert_eq!(self::known(10.0).0.interval[1], 10.0);
     }
 }

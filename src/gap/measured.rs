@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::document::{Clock, Source};
+use super::statistics::median;
 use crate::patch::csv_rows::{self, Asked, Fault, Rows};
 use crate::patch::fields::Findings;
 use crate::patch::{Code, Diagnostic, Placed, Span, Unit, no_unit, order_hint, told};
@@ -150,12 +151,7 @@ impl Reading<'_> {
     fn asked(&self) -> Vec<Asked<'_>> {
         let wanted = self.wanted.iter().map(|wanted| wanted.column.value.as_str());
         let columns = self.clock.column().into_iter().chain(wanted);
-        columns.map(|column| Asked::Named(self.renamed(column).map_or(column, |here| &here.value))).collect()
-    }
-
-    /// The other name that a column has in this file, if it has one.
-    fn renamed(&self, column: &str) -> Option<&Placed<String>> {
-        self.source.columns.iter().find(|(elsewhere, _)| elsewhere == column).map(|(_, here)| here)
+        columns.map(|column| Asked::Named(self.source.here(column))).collect()
     }
 
     /// Where the experiment asks for one of the columns that are read.
@@ -167,7 +163,7 @@ impl Reading<'_> {
             (None, _) => None,
         };
         let column = asked.map_or(self.clock.column(), |asked| Some(asked.value.as_str()));
-        let renamed = column.and_then(|column| self.renamed(column));
+        let renamed = column.and_then(|column| self.source.renamed(column));
         renamed.or(asked).map_or(self.source.file.span, |name| name.span)
     }
 
@@ -424,11 +420,4 @@ impl Grid {
         let jitter = times.iter().zip(&places).map(off).fold(0.0, f64::max);
         (jitter <= MOST_JITTER).then_some(Grid { begin, interval, jitter, places })
     }
-}
-
-/// The middle one of some numbers.
-fn median(numbers: &[f64]) -> f64 {
-    let mut sorted = numbers.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }

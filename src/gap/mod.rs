@@ -48,6 +48,7 @@ mod settled;
 pub mod site;
 pub mod stage;
 pub mod starts;
+mod statistics;
 mod steps;
 mod subject;
 mod together;

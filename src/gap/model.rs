@@ -48,21 +48,21 @@ impl Knob {
     pub(super) fn at(&self, share: f64) -> f64 {
         let [low, high] = self.range;
         let value =
-            if is_wide(self.range) { low * (high / low).powf(share) } else { low + share * (high - low) };
+            if is_wide(self.range) { low * libm::pow(high / low, share) } else { low + share * (high - low) };
         value.clamp(low, high)
     }
 
     /// The derivative of the value by its share of the way.
     pub(super) fn slope(&self, value: f64) -> f64 {
         let [low, high] = self.range;
-        if is_wide(self.range) { value * (high / low).ln() } else { high - low }
+        if is_wide(self.range) { value * libm::log(high / low) } else { high - low }
     }
 }
 
 /// A value as a share of the way through a range: by factors where that is wide.
 pub(super) fn share(range: [f64; 2], value: f64) -> f64 {
     let [low, high] = range;
-    if is_wide(range) { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) }
+    if is_wide(range) { libm::log(value / low) / libm::log(high / low) } else { (value - low) / (high - low) }
 }
 
 fn is_wide([low, high]: [f64; 2]) -> bool {
@@ -72,7 +72,7 @@ fn is_wide([low, high]: [f64; 2]) -> bool {
 /// A patch ready to be run beside records.
 #[derive(Debug, Clone)]
 pub struct Model {
-    /// The program, and for every record the same with its drives.
+    /// Of every record the program with its drives.
     programs: Vec<Program>,
     /// How each is run.
     settings: Vec<RunSettings>,

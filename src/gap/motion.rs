@@ -1,9 +1,10 @@
 //! Whether columns move, and whether the patch can hold what they hold.
 
 use super::document::{Document, Wire};
-use super::examine::{examine, wild};
+use super::examine::{noise_of, wild};
 use super::experiment::Experiment;
 use super::record::Record;
+use super::statistics::ends;
 use crate::machines::REFERENCE;
 use crate::patch::fields::Findings;
 use crate::patch::{Code, Diagnostic, Unit, behind, told};
@@ -17,11 +18,8 @@ struct Extent {
 
 impl Extent {
     fn of<'r>(records: &'r [Record], samples: impl Fn(&'r Record) -> &'r [f64]) -> Extent {
-        let all = records.iter().flat_map(samples);
-        all.fold(Extent { least: f64::INFINITY, most: f64::NEG_INFINITY }, |extent, sample| Extent {
-            least: extent.least.min(*sample),
-            most: extent.most.max(*sample),
-        })
+        let [least, most] = ends(records.iter().flat_map(samples).copied());
+        Extent { least, most }
     }
 
     fn moves(self) -> bool {
@@ -92,7 +90,7 @@ fn wild_samples(made: &Experiment, document: &Document) -> Vec<Diagnostic> {
     let told = document.wires().enumerate().filter_map(|(place, (wire, _))| {
         let of = |record: &Record| {
             let samples = record.drives.get(place).unwrap_or_else(|| &record.outputs[place - drives]);
-            let noise = examine(samples, record.interval).noise.map_or(0.0, |noise| noise.sigma);
+            let noise = noise_of(samples).map_or(0.0, |noise| noise.sigma);
             let (name, begin, interval) = (record.name.clone(), record.begin, record.interval);
             let found = wild(samples, noise).into_iter();
             found.map(move |sample| format!("{} s in {name}", told(begin + sample as f64 * interval)))
@@ -132,7 +130,7 @@ fn next_to_no_noise(made: &Experiment, document: &Document) -> Vec<Diagnostic> {
 /// That the experiment tells no noise of an output, and the data not either.
 fn unknown_noise(made: &Experiment, document: &Document) -> Vec<Diagnostic> {
     let is_unknown = |place: usize| {
-        let noise = |record: &Record| examine(&record.outputs[place], record.interval).noise;
+        let noise = |record: &Record| noise_of(&record.outputs[place]);
         made.outputs[place].sigma.is_none() && made.train.iter().all(|record| noise(record).is_none())
     };
     let outputs = document.outputs.iter().enumerate().filter(|(place, _)| is_unknown(*place));

@@ -72,11 +72,11 @@ pub fn of_tens(formula: &Formula) -> Option<f64> {
 /// The value of a part raised to a power; what it names is noted with the powers.
 fn product(node: &Node, power: f64, largest: &[Largest], powers: &mut Vec<(usize, f64)>) -> Option<f64> {
     match &node.expression {
-        Expression::Number(value) => Some(value.powf(power)),
+        Expression::Number(value) => Some(libm::pow(*value, power)),
         Expression::Name(name) => {
             let index = largest.iter().position(|own| own.name == name)?;
             powers.push((index, power));
-            Some(largest[index].value.powf(power))
+            Some(libm::pow(largest[index].value, power))
         }
         Expression::Binary(Operator::Multiply, left, right) => {
             Some(product(left, power, largest, powers)? * product(right, power, largest, powers)?)

@@ -12,6 +12,7 @@ use super::experiment::{Experiment, Output};
 use super::fit::Fitted;
 use super::intervals::Known;
 use super::limits::{Limit, best_places};
+use super::measured::plural;
 use super::record::Record;
 use super::round::{LeftOut, Round, Trial};
 use super::score::Advantage;
@@ -134,10 +135,11 @@ impl Outcome {
         })
     }
 
-    /// What is left beside what is named, where that is no noise and the verdict does not say so.
+    /// What is left beside what is named, where that is more than noise and the verdict does not say so.
     fn more_is_left(&self) -> Option<String> {
         let is_told = !self.verdict.has_names() || self.leaves_much();
-        (!is_told && self.last.leaves_structure()).then(|| {
+        let is_more = self.last.leaves_structure() && self.last.train.over_noise() > 1.0;
+        (!is_told && is_more).then(|| {
             let [train, test] = [&self.last.train, &self.last.test].map(|fitted| number(fitted.over_noise()));
             format!(
                 "What is left, {train} times the noise in training and {test} on the data held back, is no noise: something smaller is missing beside what is named, or its law is another."
@@ -246,9 +248,15 @@ impl Outcome {
     /// The verdict in words.
     pub fn sentence(&self) -> String {
         let taken = self.rounds.iter().filter(|round| round.taken);
+        let bests: Vec<String> = taken.clone().map(|round| round.trials[0].named()).collect();
+        // The same at the same place is another form of it.
+        let named = |trial: &Trial| match bests.iter().filter(|best| **best == trial.named()).count() {
+            0..=1 => trial.named(),
+            _ => format!("{} ({})", trial.named(), trial.candidate.note),
+        };
         let told = |round: &Round| {
             let both = round.trials.iter().take(1).chain(round.rival());
-            let both = both.map(Trial::named).collect::<Vec<_>>().join(" or ");
+            let both = both.map(named).collect::<Vec<_>>().join(" or ");
             match round.tied {
                 0..=2 => both,
                 3 => format!("{both} (or one more)"),
@@ -257,6 +265,10 @@ impl Outcome {
         };
         let effects: Vec<String> = taken.map(told).collect();
         let are = if effects.len() > 1 { "are" } else { "is" };
+        let cannot_tell = match effects.len() {
+            0..=1 => "these data cannot tell",
+            _ => "these data cannot tell which, where there is an \"or\"",
+        };
         let effects = listed(&effects);
         match self.verdict {
             Verdict::Named => format!("{effects} {are} missing{}", self.left_over()),
@@ -270,11 +282,7 @@ impl Outcome {
                 };
                 let beyond = self.beyond.as_ref().filter(|own| own.is_rival);
                 let beyond = beyond.map(|own| format!(", or {}", own.told())).unwrap_or_default();
-                format!(
-                    "{effects} {are} missing{beyond}: these data cannot tell{}{}",
-                    would,
-                    self.left_over()
-                )
+                format!("{effects} {are} missing{beyond}: {cannot_tell}{would}{}", self.left_over())
             }
             Verdict::NothingMissing => {
                 let least = best_places(&self.limits).into_iter().find_map(Limit::sentence);
@@ -302,11 +310,14 @@ impl Outcome {
 
     /// What is left besides what is named, where that is more than a law of another shape leaves mostly, in words.
     fn left_over(&self) -> String {
-        let share = number(100.0 * self.left);
-        match self.leaves_much() {
-            true => format!("; {share} % of the gap is left, which is no noise: the law may be another"),
-            false => String::new(),
+        if !self.leaves_much() {
+            return String::new();
         }
+        let held = (self.last.test.unexplained() / self.base.test.unexplained()).sqrt();
+        let [train, test] = [self.left, held].map(|share| number(100.0 * share));
+        format!(
+            "; {train} % of the gap is left, and {test} % on the data held back, which is no noise: the law may be another"
+        )
     }
 
     /// The force that closes the gap best, where something is missing that has no name.
@@ -407,7 +418,9 @@ impl Round {
     pub fn tried_told(&self) -> String {
         let effects: HashSet<&str> =
             self.trials.iter().map(|trial| trial.candidate.effect.as_str()).collect();
-        format!("{} effects tried in {} ways", effects.len(), self.trials.len())
+        let [effects, ways] =
+            [(effects.len(), "effect"), (self.trials.len(), "way")].map(|(n, noun)| plural(n, noun));
+        format!("{effects} tried in {ways}")
     }
 
     /// What it came to, in words.
@@ -491,7 +504,7 @@ fn parameters(stage: &Stage) -> Value {
 
 /// What came of a round.
 fn round_document(number: usize, round: &Round) -> Value {
-    let Advantage { sum, error } = round.confirmed;
+    let Advantage { sum, error, .. } = round.confirmed;
     json!({
         "step": number,
         "tried": round.trials.len(),

@@ -202,12 +202,12 @@ impl Round {
     /// Trials on a stage, judged.
     pub(super) fn of(before: &Stage, beside: Vec<String>, tried: Vec<(Candidate, Stage)>) -> Round {
         let unit = unit(tried.iter().map(|(_, stage)| stage));
-        let each = (before.train.count as f64 / unit.1).ln();
+        let each = libm::log(before.train.count as f64 / unit.1);
         let score = |stage: &Stage| {
             let numbers = (stage.version.fit.len() - before.version.fit.len()) as f64;
             (before.train.chi2 - stage.train.chi2) / (unit.0 * unit.1) - numbers * each
         };
-        let nothing = Advantage { sum: 0.0, error: 0.0 };
+        let nothing = Advantage { sum: 0.0, error: 0.0, freedom: 0 };
         let trial = |(candidate, stage): (Candidate, Stage)| Trial {
             score: score(&stage),
             candidate,
@@ -330,7 +330,7 @@ pub(super) fn may_show(before: &Stage, best: &Stage, trials: usize) -> bool {
 
 /// The score that the best of so many must have.
 fn needed(trials: usize) -> f64 {
-    CHANCE + TRIED * (trials.max(1) as f64).ln()
+    CHANCE + TRIED * libm::log(trials.max(1) as f64)
 }
 
 /// What the best of some trials leaves, in squares over the noise, and for how many samples that remembers: the unit of scores.

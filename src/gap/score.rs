@@ -3,7 +3,7 @@
 use std::ops::AddAssign;
 
 use super::fit::Fitted;
-use super::intervals::TWO_SIDED_95;
+use super::statistics::{mean, student_95};
 
 /// The samples of a track that are not missing.
 pub(super) fn there(track: &[f64]) -> Vec<f64> {
@@ -23,8 +23,8 @@ pub fn memory(fitted: &Fitted) -> f64 {
 }
 
 /// The autocorrelations of a track at 1, 2, ... samples.
-fn autocorrelations(track: &[f64], most: usize) -> impl Iterator<Item = f64> + '_ {
-    let mean = track.iter().sum::<f64>() / track.len().max(1) as f64;
+pub(super) fn autocorrelations(track: &[f64], most: usize) -> impl Iterator<Item = f64> + '_ {
+    let mean = mean(track);
     let power: f64 = track.iter().map(|value| (value - mean).powi(2)).sum();
     (1..most.max(1)).map(move |lag| {
         let pairs = track.iter().zip(track.iter().skip(lag));
@@ -71,25 +71,30 @@ pub struct Advantage {
     pub sum: f64,
     /// Its standard error, from the spread of the blocks.
     pub error: f64,
+    /// From how many degrees of freedom that is.
+    pub freedom: usize,
 }
 
 impl Advantage {
     /// What blocks come to.
     fn of(blocks: &[f64]) -> Advantage {
-        let (count, sum) = (blocks.len() as f64, blocks.iter().sum::<f64>());
-        let mean = sum / count.max(1.0);
+        let (count, sum, mean) = (blocks.len() as f64, blocks.iter().sum::<f64>(), mean(blocks));
         let spread: f64 = blocks.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
-        Advantage { sum, error: (spread * count).sqrt() }
+        Advantage { sum, error: (spread * count).sqrt(), freedom: blocks.len().saturating_sub(1) }
     }
 
     /// Both over different data.
     pub fn and(self, other: Advantage) -> Advantage {
-        Advantage { sum: self.sum + other.sum, error: self.error.hypot(other.error) }
+        Advantage {
+            sum: self.sum + other.sum,
+            error: self.error.hypot(other.error),
+            freedom: self.freedom + other.freedom,
+        }
     }
 
     /// Between which values it lies in 95 of 100 cases.
     pub fn interval(self) -> [f64; 2] {
-        [-1.0, 1.0].map(|side| self.sum + side * TWO_SIDED_95 * self.error)
+        [-1.0, 1.0].map(|side| self.sum + side * student_95(self.freedom) * self.error)
     }
 
     /// In standard errors.
@@ -98,7 +103,7 @@ impl Advantage {
     }
 }
 
-/// So many blocks the records are cut into, together.
+/// So many blocks the records are cut into, together: at least one of each, and none of less than a sample.
 const BLOCKS: usize = 20;
 
 /// The squares of one fit less those of another, over the same data.

@@ -122,8 +122,8 @@ const LOOKED_AT: usize = 3;
 const MOST_BETTERED: usize = 3;
 /// How many effects are looked for at most.
 const MOST_EFFECTS: usize = 3;
-/// What leaves structure, more than this share of the gap, explains in part what may be no effect of the library, unless it is one
-/// alone that stands out:
+/// What leaves structure, one effect more than this share of the gap, explains in part what may be no effect of the library, unless it
+/// is one alone that stands out:
 const CLEAR: f64 = 0.1;
 /// it is none, if a force over what the patch does leaves less than this share of what it leaves, in squares.
 const CURVE: f64 = 0.5;
@@ -315,9 +315,11 @@ impl Problem {
         let left = last.gap() / base.gap();
         let not_white = self.not_white(last, with.threads)?;
         let leaves_noise = !last.leaves_structure() || not_white.is_some();
+        let is_nothing = leaves_noise && rounds.iter().all(|round| !round.taken);
         let blind = match not_white {
             Some(own) => Some(Blind::NotWhite(own)),
-            None => self.is_blind(base, rounds, limits)?,
+            None if is_nothing => self.is_blind(base, rounds, limits)?,
+            None => None,
         };
         let verdict = verdict(rounds, left, leaves_noise, blind.is_some());
         if matches!(verdict, Verdict::NothingMissing | Verdict::CannotJudge) {
@@ -332,21 +334,23 @@ impl Problem {
         if let Some(slow) = slow {
             return Ok((Verdict::CannotJudge, Some(Blind::Slow(slow)), Vec::new()));
         }
-        let is_doubtful = verdict.has_names() && !leaves_noise && leaves_much(last, left);
+        let are_several = rounds.iter().filter(|round| round.taken).count() > 1;
+        let is_doubtful = verdict.has_names() && !leaves_noise && (are_several || leaves_much(last, left));
         let is_other = is_doubtful && !is_sure(base, last, rounds) && is_a_curve(&whereabouts, left);
         Ok((if is_other { Verdict::UnknownEffect } else { verdict }, blind, whereabouts))
     }
 
     /// What comes of data that no effect is sought in.
     fn unjudged(&self, base: Stage, why: Blind, seed: u64) -> Result<Outcome, ModelError> {
+        let base = self.with_errors(base)?;
         Ok(Outcome {
             verdict: Verdict::CannotJudge,
             fineness: self.fineness(&base)?,
             overload: self.overload(&base)?,
             agreement: self.agreement(&base, seed)?,
             correlations: self.correlations(&base)?,
-            last: self.with_errors(base.clone())?,
-            base: self.with_errors(base)?,
+            last: base.clone(),
+            base,
             rounds: Vec::new(),
             effects: Vec::new(),
             way: Vec::new(),
@@ -416,11 +420,12 @@ fn leaves_much(stage: &Stage, left: f64) -> bool {
     stage.leaves_structure() && left > CLEAR
 }
 
-/// Whether what leaves structure is to be believed all the same: one effect alone, that stands out, and beside which the patch
-/// does not ask for values beyond their ranges.
+/// Whether what leaves structure is to be believed all the same: one effect alone, that stands out, that is no stronger than it may
+/// be, and beside which the patch does not ask for values beyond their ranges.
 fn is_sure(base: &Stage, last: &Stage, rounds: &[Round]) -> bool {
     let is_alone = rounds.iter().filter(|round| round.taken).count() == 1;
-    is_alone && rounds[0].stands_out() && last.newly_at_end(base).next().is_none()
+    let is_within = |round: &Round| !last.is_strongest(&round.trials[0].candidate);
+    is_alone && rounds[0].stands_out() && is_within(&rounds[0]) && last.newly_at_end(base).next().is_none()
 }
 
 /// Whether a force over what the patch does explains far more than effects that leave such a share of the gap.

@@ -16,6 +16,7 @@ use super::record::Record;
 use super::round::{APART, Round, Trial};
 use super::score::expected;
 use super::stage::Problem;
+use super::statistics::ends;
 use crate::instruments::number;
 use crate::machines::REFERENCE;
 
@@ -51,7 +52,7 @@ impl Shape {
         let part = periods.fract();
         match self {
             Shape::Step => f64::from(u8::from(periods >= 1.0)),
-            Shape::Sine => (std::f64::consts::TAU * part).sin(),
+            Shape::Sine => libm::sin(std::f64::consts::TAU * part),
             Shape::Ramps if part < 0.25 => 4.0 * part,
             Shape::Ramps if part < 0.75 => 2.0 - 4.0 * part,
             Shape::Ramps => 4.0 * part - 4.0,
@@ -77,6 +78,8 @@ pub struct Separating {
     pub about: f64,
     /// and how often, in seconds; of a step, after how long.
     pub period: f64,
+    /// Whether it goes to the side of zero to which the records never went.
+    pub turns: bool,
     /// Of every output, how far the predictions differ: rms over noise.
     pub apart: Vec<f64>,
     /// In how many standard errors of the comparison the one would stand above the other.
@@ -114,6 +117,10 @@ impl Separating {
         let errors = number((10.0 * self.errors).round() / 10.0);
         let differ = format!("they differ by {most} times the noise, {errors} standard errors over a record");
         match self.tells() {
+            true if self.turns => {
+                let drive = &self.drive;
+                format!("{} would, if {drive} can change its sign: {differ}", self.drive_in_words())
+            }
             true => format!("{} would: {differ}", self.drive_in_words()),
             false => format!("none of the drives tried would: at most {differ}"),
         }
@@ -147,6 +154,7 @@ impl Separating {
             "amplitude": self.amplitude,
             "about": self.about,
             "unit": self.unit,
+            "turns": self.turns,
             "period": self.period,
             "frequency": (self.shape != Shape::Step).then(|| 1.0 / self.period),
             "apart": outputs.collect::<serde_json::Map<_, _>>(),
@@ -215,17 +223,35 @@ struct Run {
 
 impl Problem {
     /// The drive that best tells two effects apart that the data cannot; nothing where there are no such effects, or where no drive
-    /// can be run.
+    /// can be run. Drives keep the sign that they had, unless none tells so.
     ///
     /// # Errors
     /// When the patches cannot be run.
     pub fn separating(&self, rounds: &[Round]) -> Result<Option<Separating>, ModelError> {
         let tied = rounds.iter().filter(|round| round.taken);
-        let tied = tied.filter_map(|round| Some((round, round.rival()?))).next();
-        let longest = self.train.iter().max_by_key(|record| record.len());
-        let Some(((round, rival), longest)) = tied.zip(longest) else { return Ok(None) };
+        let Some((round, rival)) = tied.filter_map(|round| Some((round, round.rival()?))).next() else {
+            return Ok(None);
+        };
+        let alike = self.separating_by(round, rival, false)?;
+        if alike.as_ref().is_some_and(Separating::tells)
+            || (0..self.drives.len()).all(|own| self.goes_both_ways(own))
+        {
+            return Ok(alike);
+        }
+        let turned = self.separating_by(round, rival, true)?.filter(Separating::tells);
+        Ok(turned.or(alike))
+    }
+
+    /// The same, of drives that keep their sign or may turn.
+    fn separating_by(
+        &self,
+        round: &Round,
+        rival: &Trial,
+        turns: bool,
+    ) -> Result<Option<Separating>, ModelError> {
+        let Some(longest) = self.train.iter().max_by_key(|record| record.len()) else { return Ok(None) };
         let trials = [&round.trials[0], rival];
-        let resting: Vec<Resting> = (0..self.drives.len()).map(|drive| self.resting(drive)).collect();
+        let resting: Vec<Resting> = (0..self.drives.len()).map(|drive| self.resting(drive, turns)).collect();
         let tried: Vec<Tried> =
             resting.iter().enumerate().flat_map(|(drive, own)| own.tried(drive, longest)).collect();
         let records: Vec<Record> = tried.iter().map(|own| own.record(longest, &resting)).collect();
@@ -242,6 +268,7 @@ impl Problem {
                 amplitude,
                 about: resting[drive].about,
                 period,
+                turns: turns && !self.goes_both_ways(drive),
                 apart: apart.rms,
                 errors: apart.errors,
                 outputs: self.outputs.clone(),
@@ -252,16 +279,24 @@ impl Problem {
         }))
     }
 
-    /// A drive that has been on both sides of zero rests there, another at its mean; that one keeps its sign.
-    fn resting(&self, drive: usize) -> Resting {
-        let samples = || self.train.iter().flat_map(|record| &record.drives[drive]).copied();
-        let (least, most) = samples()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), own| (least.min(own), most.max(own)));
+    fn driven(&self, drive: usize) -> impl Iterator<Item = f64> + '_ {
+        self.train.iter().flat_map(move |record| &record.drives[drive]).copied()
+    }
+
+    /// Whether a drive has been on both sides of zero.
+    fn goes_both_ways(&self, drive: usize) -> bool {
+        let [least, most] = ends(self.driven(drive));
+        least < 0.0 && most > 0.0
+    }
+
+    /// A drive that has been on both sides of zero, or may go there, rests there, another at its mean; that one keeps its sign.
+    fn resting(&self, drive: usize, turns: bool) -> Resting {
+        let [least, most] = ends(self.driven(drive));
         let full = REFERENCE * self.drives[drive].per_volt.abs();
-        let (about, allowed) = match (least < 0.0, most > 0.0) {
-            (true, true) => (0.0, [-full, full]),
-            (is_below, _) => {
-                let mean = samples().sum::<f64>() / samples().count() as f64;
+        let (about, allowed) = match least < 0.0 {
+            _ if turns || self.goes_both_ways(drive) => (0.0, [-full, full]),
+            is_below => {
+                let mean = self.driven(drive).sum::<f64>() / self.driven(drive).count() as f64;
                 (mean, if is_below { [-full, 0.0] } else { [0.0, full] })
             }
         };
@@ -387,7 +422,7 @@ impl Resting {
         let length = longest.duration();
         let shortest = (LEAST_PERIOD * longest.interval).min(length);
         let period =
-            |place: i32| length * (shortest / length).powf(f64::from(place) / f64::from(PERIODS - 1));
+            |place: i32| length * libm::pow(shortest / length, f64::from(place) / f64::from(PERIODS - 1));
         let periodic = Shape::PERIODIC
             .into_iter()
             .flat_map(|shape| (0..PERIODS).map(move |place| (shape, period(place))));

@@ -60,7 +60,7 @@ pub struct Sum {
     pub setting: Option<String>,
     /// The gain of the jack at the end of the way.
     pub gain: f64,
-    /// Where it comes from and goes to, if nothing else drives the integrator.
+    /// Where it comes from and goes to, if nothing else drives the integrator, and it drives nothing else on its way there.
     pub total: Option<Total>,
 }
 
@@ -332,7 +332,7 @@ impl<'c> Wiring<'c> {
         let Some((_, reading, way, gain)) = found.into_iter().next() else {
             return self.rate(own);
         };
-        let is_all = cords.len() == 1 && !is_braked;
+        let is_all = cords.len() == 1 && !is_braked && self.ends_at(way.last, element);
         let total = Total { from: self.name(way.at).to_owned(), to: self.name(way.last).to_owned() };
         Some(Sum {
             scale: reading.scale.clone(),
@@ -343,6 +343,20 @@ impl<'c> Wiring<'c> {
             gain,
             total: is_all.then_some(total),
         })
+    }
+
+    /// Whether all that an element gives comes to another.
+    fn ends_at(&self, mut element: usize, other: usize) -> bool {
+        while element != other {
+            let all = (0..self.circuit.elements().len()).flat_map(|to| {
+                self.circuit.cords(to).into_iter().filter(move |(from, _)| *from == element).map(move |_| to)
+            });
+            match all.collect::<Vec<_>>().as_slice() {
+                [only] => element = *only,
+                _ => return false,
+            }
+        }
+        true
     }
 
     fn reading_at(&self, element: usize) -> Option<Reading> {

@@ -1,14 +1,16 @@
 //! A patch fitted to the training records and held against the others: where the search stands, and every attempt to go on.
 
+use std::sync::OnceLock;
+
 use serde_json::json;
 
 use super::begun::Begun;
 use super::candidate::Candidate;
 use super::clock::begun_anew;
 use super::effort::{Effort, Starts};
-use super::examine::{NoiseKind, examine, peaks};
+use super::examine::{NoiseKind, Peak, examine, noise_of, peaks};
 use super::experiment::{Experiment, Feed};
-use super::fit::{Fitted, MANY_DAMPINGS, MOST_ROUNDS, ONE_DAMPING, Point, SETTLED_SHARE, Task};
+use super::fit::{Fitted, Ladder, MOST_ROUNDS, Point, SETTLED_SHARE, Task};
 use super::graft::{Attached, Brought, Place, Role};
 use super::intervals::Known;
 use super::model::{Course, Model, ModelError, share};
@@ -16,6 +18,8 @@ use super::reach::{Extent, Largest};
 use super::record::Record;
 use super::score::{colour, memory};
 use super::starts::scattered;
+use super::statistics::ends;
+use super::unrest::NotWhite;
 use crate::circuit::Circuit;
 use crate::patch::{Edit, EditError, Patch};
 
@@ -36,7 +40,7 @@ pub struct Problem {
     pub train: Vec<Record>,
     /// The same cut into pieces, over which errors cannot grow far.
     pub pieces: Vec<Record>,
-    /// into so many each, if it is long enough.
+    /// Into how many of these each record is cut, if it is long enough.
     pub(super) cuts: usize,
     /// Records to confirm with.
     pub test: Vec<Record>,
@@ -104,6 +108,8 @@ pub struct Stage {
     pub gone_through: bool,
     /// How well each value that is fitted is known; nothing before [`Problem::with_errors`].
     pub known: Vec<Known>,
+    /// What [`Problem::not_white`] says of it, once that was asked.
+    pub(super) not_white: OnceLock<Option<NotWhite>>,
 }
 
 impl Stage {
@@ -115,7 +121,8 @@ impl Stage {
         gone_through: bool,
     ) -> Stage {
         let (colour, memory) = (colour(&train.residuals), memory(&train));
-        Stage { version, train, test, colour, memory, in_pieces, seen, gone_through, known: Vec::new() }
+        let (known, not_white) = (Vec::new(), OnceLock::new());
+        Stage { version, train, test, colour, memory, in_pieces, seen, gone_through, known, not_white }
     }
 
     /// What no noise explains, in sigmas rms.
@@ -160,10 +167,20 @@ impl Stage {
         })
     }
 
-    /// The same of what was fitted before and was not there then.
+    /// The places of what is fitted best at an end of its range, and was not where it was fitted before.
     pub(super) fn newly_at_end<'s>(&'s self, before: &'s Stage) -> impl Iterator<Item = usize> + 's {
         let own = self.at_end().filter(|place| *place < before.version.fit.len());
         own.filter(|place| before.at_end().all(|other| other != *place))
+    }
+
+    /// Whether an effect is as strong as it may be.
+    pub(super) fn is_strongest(&self, effect: &Candidate) -> bool {
+        let strength = effect.graft.parameters.first();
+        let is_it = |place: usize| {
+            strength.is_some_and(|own| own.name == self.version.fit[place])
+                && Some(self.train.point.knobs[place]) != effect.none
+        };
+        self.at_end().any(is_it)
     }
 
     /// Whether the gap is so large that fits may have lost their way.
@@ -331,7 +348,7 @@ impl Problem {
             wanted: f64::INFINITY,
             most_rounds: MOST_ROUNDS,
             settled: SETTLED_SHARE,
-            dampings: if model.goes_abreast() { MANY_DAMPINGS } else { ONE_DAMPING },
+            dampings: if model.goes_abreast() { Ladder::MANY } else { Ladder::ONE },
         }
     }
 
@@ -396,7 +413,7 @@ impl Problem {
         let is_open = starts.sure.iter().chain(&starts.found).chain(&starts.others).count() > 1;
         let split = effort.split().filter(|_| is_open && places.len() < self.train.len());
         let Some([few, rest]) = split else { return Ok(None) };
-        let nearly = Task { most_rounds: NEARLY, dampings: ONE_DAMPING, ..*all };
+        let nearly = Task { most_rounds: NEARLY, dampings: Ladder::ONE, ..*all };
         let glanced = self.glanced(version, &places, starts, few, &mut seen.few)?;
         let mut led: Vec<Point> = glanced.iter().filter_map(|point| nearly.settled(point)).collect();
         match effort.is_thorough {
@@ -551,13 +568,9 @@ impl Problem {
     /// When the patch cannot be run beside the records.
     pub fn peaks(&self, stage: &Stage) -> Result<Peaks, ModelError> {
         let (names, courses) = self.courses(stage)?;
-        let mut ends = vec![[f64::INFINITY, f64::NEG_INFINITY]; names.len()];
-        for course in &courses {
-            for (ends, track) in ends.iter_mut().zip(course) {
-                *ends = widened(*ends, track);
-            }
-        }
-        let mut extents: Vec<Extent> = ends.into_iter().map(Extent::of).collect();
+        let extent =
+            |name: usize| ends(courses.iter().filter_map(|course| course.get(name)).flatten().copied());
+        let mut extents: Vec<Extent> = (0..names.len()).map(extent).map(Extent::of).collect();
         // What was measured is known without a model.
         for (output, name) in self.outputs.iter().enumerate() {
             let Some(place) = names.iter().position(|own| own == name) else { continue };
@@ -567,12 +580,11 @@ impl Problem {
         let end = |record: &Record| record.since + record.interval * record.len() as f64;
         let length = self.train.iter().map(end).fold(0.0, f64::max);
         let left = self.train.iter().zip(&stage.train.residuals);
-        let spectrum = left
-            .flat_map(|(record, tracks)| {
-                tracks.iter().map(|track| peaks(track, record.interval, FREQUENCIES))
-            })
-            .flatten()
-            .collect();
+        let all = left.flat_map(|(record, tracks)| {
+            tracks.iter().flat_map(|track| peaks(track, record.interval, FREQUENCIES))
+        });
+        let highest = Peak::highest(all.collect(), MOST_FREQUENCIES);
+        let spectrum = highest.into_iter().map(|peak| peak.frequency).collect();
         Ok(Peaks { names, extents, interval, length, spectrum })
     }
 
@@ -661,8 +673,10 @@ pub struct Peaks {
 
 /// A fit whose sum of squares is below this share of another's has found what that did not.
 const BETTER: f64 = 0.99;
-/// So many frequencies are tried of every output.
+/// So many frequencies are tried of every output in every record,
 const FREQUENCIES: usize = 3;
+/// and so many of all together.
+const MOST_FREQUENCIES: usize = 12;
 
 impl Peaks {
     fn of(&self, name: &str) -> Option<Extent> {
@@ -683,14 +697,7 @@ impl Peaks {
 
 /// The ends between which an output lies.
 fn ends_of(records: &[Record], output: usize) -> [f64; 2] {
-    let tracks = records.iter().map(|record| &record.outputs[output]);
-    tracks.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, own| widened(ends, own))
-}
-
-/// Two ends, moved out so far that a track lies between them.
-fn widened(ends: [f64; 2], track: &[f64]) -> [f64; 2] {
-    let there = track.iter().filter(|value| !value.is_nan());
-    there.fold(ends, |[least, most], value| [least.min(*value), most.max(*value)])
+    ends(records.iter().flat_map(|record| &record.outputs[output]).copied())
 }
 
 /// The white noise of a drive in a record; what comes to as much as it moves by is no noise of its column but what it drives with.
@@ -703,7 +710,7 @@ fn drive_noise(record: &Record, drive: usize) -> f64 {
 
 /// The noise of an output in a record; 0 where that is too short to tell.
 fn noise(record: &Record, output: usize) -> f64 {
-    examine(&record.outputs[output], record.interval).noise.map_or(0.0, |noise| noise.sigma)
+    noise_of(&record.outputs[output]).map_or(0.0, |noise| noise.sigma)
 }
 
 /// The largest of what is estimated of a column in each of several records.

@@ -45,12 +45,14 @@ impl Problem {
     /// # Errors
     /// When the patch cannot be run beside the records.
     pub(super) fn agreement(&self, stage: &Stage, seed: u64) -> Result<Agreement, ModelError> {
-        let records = if stage.in_pieces.is_some() { &self.pieces } else { &self.train };
+        let in_pieces = self.left_of_pieces(stage)?;
+        let (records, best) = match in_pieces {
+            Some(chi2) => (&self.pieces, chi2),
+            None => (&self.train, stage.train.chi2),
+        };
         let model = self.model(&stage.version, records, &self.outputs)?;
         let first = Point::of(&model, self.outputs.len());
         let task = self.task(&model, records, true);
-        let in_pieces = stage.in_pieces.as_ref().and_then(|point| task.told(point));
-        let best = in_pieces.as_ref().unwrap_or(&stage.train).chi2;
         let mut agreement = Agreement {
             tried: 0,
             left: f64::INFINITY,
@@ -70,6 +72,13 @@ impl Problem {
             }
         }
         Ok(agreement)
+    }
+
+    /// The sum of squares that a stage left of the pieces, where it was fitted to these first.
+    fn left_of_pieces(&self, stage: &Stage) -> Result<Option<f64>, ModelError> {
+        let Some(point) = &stage.in_pieces else { return Ok(None) };
+        let model = self.model(&stage.version, &self.pieces, &self.outputs)?;
+        Ok(self.task(&model, &self.pieces, true).told(point).map(|fitted| fitted.chi2))
     }
 }
 

@@ -50,7 +50,7 @@ impl Read<'_> {
 
     /// Whether both are the same samples.
     fn is_same(&self, other: &Read<'_>) -> bool {
-        self.path == other.path && self.measured.name == other.measured.name
+        self.path == other.path && self.source.reads_as(other.source)
     }
 }
 

@@ -3,13 +3,14 @@
 
 use std::ops::RangeInclusive;
 
-use super::blind::{mean, over_sigma};
+use super::blind::over_sigma;
 use super::dice::normal;
 use super::experiment::Feed;
 use super::fit::{Fitted, Task};
 use super::model::ModelError;
 use super::record::Record;
 use super::stage::{Problem, Stage};
+use super::statistics::mean;
 use crate::instruments::number;
 use crate::pool;
 
@@ -95,6 +96,15 @@ impl Problem {
         if !stage.leaves_structure() {
             return Ok(None);
         }
+        if let Some(known) = stage.not_white.get() {
+            return Ok(known.clone());
+        }
+        let found = self.drawn_against(stage, threads)?;
+        Ok(stage.not_white.get_or_init(|| found).clone())
+    }
+
+    /// The same, found by draws.
+    fn drawn_against(&self, stage: &Stage, threads: usize) -> Result<Option<NotWhite>, ModelError> {
         let left = |output| over_sigma(&stage.train, output).powi(2);
         let brought = self.brought_by_drives(stage, threads)?;
         let is_noise = |output: usize| left(output) <= 1.0 + BROUGHT * brought[output];
@@ -185,13 +195,13 @@ fn slowness(fitted: &Fitted, intervals: &[f64], output: usize) -> (f64, f64) {
 fn likelihood(tracks: &[(&[f64], f64)], time: f64, variance: f64) -> f64 {
     let (mut count, mut alone, mut misfit, mut spread) = (0.0, 0.0, 0.0, 0.0_f64);
     for (track, interval) in tracks {
-        let keeps = (-interval / time).exp();
+        let keeps = libm::exp(-interval / time);
         let (mut expected, mut unsure) = (0.0, variance);
         for value in *track {
             if !value.is_nan() {
                 let (off, all) = (value - expected, unsure + 1.0);
                 misfit += off * off / all;
-                spread += all.ln();
+                spread += libm::log(all);
                 alone += value * value;
                 count += 1.0;
                 expected += unsure / all * off;
@@ -201,7 +211,7 @@ fn likelihood(tracks: &[(&[f64], f64)], time: f64, variance: f64) -> f64 {
             unsure = keeps * keeps * unsure + (1.0 - keeps * keeps) * variance;
         }
     }
-    if alone > 0.0 { -0.5 * (count * (misfit / alone).ln() + spread) } else { 0.0 }
+    if alone > 0.0 { -0.5 * (count * libm::log(misfit / alone) + spread) } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -9,8 +9,9 @@ use patchcord::program::Program;
 use patchcord::solve::{RunSettings, run};
 use serde_json::{Value, json};
 
-use super::library;
+use super::integrated::integrated;
 use super::oscillator::{INTERVAL, measured, patch};
+use super::{library, noise};
 
 /// Where the oscillator stands whose drive comes 50 ms late.
 fn late(forces: &[f64]) -> Vec<f64> {
@@ -79,4 +80,45 @@ fn what_slow_drives_cannot_tell_the_experiment_does() {
     assert_eq!(told.verdict, Verdict::Named, "{}", told.sentence());
     assert_eq!(told.rounds[0].trials[0].candidate.effect, "time-delay");
     assert!(told.separating.is_none());
+}
+
+/// A table of 1 kg with viscous friction of 1 N s/m and dry friction of 0.1 N, pushed forward all the time.
+fn pushed() -> (Experiment, Problem) {
+    let push = |time: f64| 0.4 + 0.1 * (2.0 * time).sin() + 0.05 * (5.3 * time).sin();
+    let stood = integrated([0.0, 0.3], (0.01, 801), |time, [_, v]| [v, push(time) - v - 0.1]);
+    assert!(stood.iter().all(|[_, v]| *v > 0.05));
+    let mut csv = "t,F,x\n".to_owned();
+    let mut noise = noise::white(5);
+    for (sample, [x, _]) in stood.iter().enumerate() {
+        let time = 0.01 * sample as f64;
+        csv += &format!("{time:e},{:e},{:e}\n", push(time), x + 2e-4 * noise());
+    }
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("data.csv"), csv).unwrap();
+    let patch = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gap/base.json");
+    let experiment = json!({
+        "patch": patch, "data": "data.csv", "drives": {"F": {"column": "F", "sigma": 0}},
+        "outputs": {"x": {"column": "x", "sigma": 2e-4}}, "fit": ["M"],
+    });
+    let experiment = Experiment::parse_in(folder.path(), "experiment.json", &experiment.to_string());
+    let experiment = experiment.unwrap_or_else(|error| panic!("{error}"));
+    let problem = Problem::of(&experiment).unwrap();
+    (experiment, problem)
+}
+
+#[test]
+fn what_motion_one_way_cannot_tell_a_drive_that_turns_does() {
+    let (experiment, problem) = pushed();
+    let patch = experiment.patch.edited("base.json", &[Edit::new("parameters/f/value", 1)]).unwrap();
+    let library = library::of(&["constant-bias", "coulomb-friction"]);
+    let with = Means { library: &library, threads: 2, seed: 1 };
+    let found = problem.search(&patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    assert_eq!(found.verdict, Verdict::Ambiguous, "{}", found.sentence());
+    let separating = found.separating.as_ref().unwrap();
+    assert!(separating.tells() && separating.turns, "{}", separating.document());
+    assert!(
+        found.sentence().contains(" would, if F can change its sign: they differ"),
+        "{}",
+        found.sentence()
+    );
 }

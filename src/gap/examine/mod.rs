@@ -13,8 +13,10 @@ pub use spectrum::SHARES;
 use noise::noise;
 use quantum::quantum;
 use spectrum::frequencies_below;
-pub(super) use spectrum::peaks;
+pub(super) use spectrum::{Peak, peaks};
 pub(super) use wild::wild;
+
+use super::statistics::{ends, mean};
 
 /// What a column is like. Values are in its unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,17 +42,27 @@ pub struct Examined {
     pub below: Option<[f64; SHARES.len()]>,
 }
 
+fn there(samples: &[f64]) -> Vec<f64> {
+    samples.iter().copied().filter(|sample| !sample.is_nan()).collect()
+}
+
+/// The noise of evenly spaced samples; `None` where there are too few of them.
+pub fn noise_of(samples: &[f64]) -> Option<Noise> {
+    noise(samples, quantum(&there(samples)))
+}
+
 /// Looks at evenly spaced samples, `interval` seconds apart; NaN is a missing one.
 pub fn examine(samples: &[f64], interval: f64) -> Examined {
-    let there: Vec<f64> = samples.iter().copied().filter(|sample| !sample.is_nan()).collect();
+    let there = there(samples);
     let count = there.len().max(1) as f64;
-    let mean = there.iter().sum::<f64>() / count;
+    let mean = mean(&there);
+    let [least, most] = ends(there.iter().copied());
     let quantum = quantum(&there);
     Examined {
         samples: there.len(),
         missing: samples.len() - there.len(),
-        least: there.iter().copied().fold(f64::INFINITY, f64::min),
-        most: there.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        least,
+        most,
         rms: (there.iter().map(|sample| (sample - mean) * (sample - mean)).sum::<f64>() / count).sqrt(),
         noise: noise(samples, quantum),
         quantum,

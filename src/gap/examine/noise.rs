@@ -4,6 +4,8 @@
 //! the square root of (2d choose d), has the standard deviation of the noise. Where orders agree there is white noise of that
 //! size; where they go on falling, the curve is not smooth from sample to sample or the noise is mostly slow; where they rise, it is mostly fast.
 
+use crate::gap::statistics::{HALF_WITHIN, ends, median};
+
 /// The orders that are compared.
 const ORDERS: std::ops::RangeInclusive<usize> = 2..=6;
 /// Differences that are at least needed of an order.
@@ -89,8 +91,8 @@ fn white(estimates: &[Estimate]) -> Option<f64> {
 }
 
 fn span(samples: &[f64]) -> f64 {
-    let least = samples.iter().copied().fold(f64::INFINITY, f64::min);
-    samples.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
+    let [least, most] = ends(samples.iter().copied());
+    most - least
 }
 
 /// What differences of one order say.
@@ -151,11 +153,8 @@ fn weights(order: usize) -> Vec<f64> {
 /// square of those that do not overlap one beyond four deviations by the median, and how many these are. NaN stands for one that is
 /// missing.
 fn deviation(differences: &[f64], order: usize) -> (f64, f64) {
-    let mut sizes: Vec<f64> =
-        differences.iter().map(|value| value.abs()).filter(|size| !size.is_nan()).collect();
-    sizes.sort_by(f64::total_cmp);
-    // Of normal numbers half lie within 0.6745 deviations.
-    let rough = sizes[sizes.len() / 2] / 0.674_489_75;
+    let sizes: Vec<f64> = differences.iter().map(|value| value.abs()).filter(|size| !size.is_nan()).collect();
+    let rough = median(&sizes) / HALF_WITHIN;
     let limit = if rough > 0.0 { BEYOND * rough } else { f64::INFINITY };
     let mut left = without_neighbours(differences, limit, order);
     if left.len() < sizes.len() / 2 {

@@ -22,16 +22,42 @@ pub(super) fn frequencies_below(samples: &[f64], interval: f64) -> Option<[f64; 
     (whole > 0.0).then(|| SHARES.map(frequency))
 }
 
-/// The frequencies in Hz of the highest peaks of the power, the highest first.
-pub(in crate::gap) fn peaks(samples: &[f64], interval: f64, count: usize) -> Vec<f64> {
+/// A frequency of which samples are full.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::gap) struct Peak {
+    /// In Hz.
+    pub frequency: f64,
+    power: f64,
+    /// What lies nearer than this, in Hz, is the same.
+    width: f64,
+}
+
+impl Peak {
+    /// The highest of several, the highest first, each frequency once.
+    pub(in crate::gap) fn highest(mut peaks: Vec<Peak>, count: usize) -> Vec<Peak> {
+        peaks.sort_by(|a, b| b.power.total_cmp(&a.power));
+        let mut told: Vec<Peak> = Vec::new();
+        for peak in peaks {
+            let is_told =
+                told.iter().any(|own| (own.frequency - peak.frequency).abs() < own.width.max(peak.width));
+            if told.len() < count && !is_told {
+                told.push(peak);
+            }
+        }
+        told
+    }
+}
+
+/// The highest peaks of the power, the highest first.
+pub(in crate::gap) fn peaks(samples: &[f64], interval: f64, count: usize) -> Vec<Peak> {
     let Some((powers, step)) = powers(samples, interval) else { return Vec::new() };
     let is_peak = |place: &usize| {
         let beside = [place.checked_sub(1), Some(place + 1)].into_iter().flatten();
         beside.filter_map(|other| powers.get(other)).all(|other| *other < powers[*place])
     };
-    let mut peaks: Vec<usize> = (0..powers.len()).filter(is_peak).collect();
-    peaks.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
-    peaks.into_iter().take(count).map(|place| (place + 1) as f64 * step).collect()
+    let told =
+        |place: usize| Peak { frequency: (place + 1) as f64 * step, power: powers[place], width: 0.5 * step };
+    Peak::highest((0..powers.len()).filter(is_peak).map(told).collect(), count)
 }
 
 /// The power at 1, 2, ... times a frequency in Hz, which is the other number; `None` where there are too few samples.

@@ -1,18 +1,17 @@
 //! Samples that a recorder or a wire let slip: far off those before and behind, which agree with one another.
 
+use crate::gap::statistics::{HALF_WITHIN, median};
+
 /// A wild sample lies so many times as far off the middle of its neighbours as noise does, and as samples two places away,
 const FAR: f64 = 10.0;
 /// and its neighbours lie half as far off the other way, but for such a share: what jumps or bends does not come back at once.
 const SHARE: f64 = 0.25;
-/// Of normal numbers, half lie within so many standard deviations.
-const HALF_WITHIN: f64 = 0.6745;
 
 /// The places of wild samples among others that carry noise of such a standard deviation; NaN is a missing one.
 pub(in crate::gap) fn wild(samples: &[f64], noise: f64) -> Vec<usize> {
     let off: Vec<f64> = samples.windows(3).map(|own| own[1] - 0.5 * (own[0] + own[2])).collect();
-    let mut sizes: Vec<f64> = off.iter().map(|own| own.abs()).filter(|own| !own.is_nan()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let usual = sizes.get(sizes.len() / 2).map_or(0.0, |half| half / HALF_WITHIN).max(noise);
+    let sizes: Vec<f64> = off.iter().map(|own| own.abs()).filter(|own| !own.is_nan()).collect();
+    let usual = (median(&sizes) / HALF_WITHIN).max(noise);
     let is_wild = |near: &[f64]| {
         let (own, size) = (near[2], near[2].abs());
         let stands_out = size > FAR * usual.max(near[0].abs()).max(near[4].abs());

@@ -72,7 +72,7 @@ impl<'a> Ground<'a> {
     /// The sum of squares over noise that a trial with so many numbers more must take away.
     fn need(&self, numbers: usize) -> f64 {
         let samples = self.before.train.count as f64 / self.bar.memory;
-        self.bar.needed + numbers as f64 * samples.ln()
+        self.bar.needed + numbers as f64 * libm::log(samples)
     }
 
     /// What parameters, initial voltages and offsets do not follow of a change, to first order.

@@ -106,7 +106,7 @@ fn first_that_shows(margins: &[Margin]) -> Option<(Option<Margin>, Margin)> {
 fn steep(margins: &[Margin]) -> Option<[Margin; 2]> {
     let (before, above) = first_that_shows(margins)?;
     let below = before?;
-    let is_steep = below.1 <= 0.0 || (above.1 / below.1).ln() > STEEP * (above.0 / below.0).ln();
+    let is_steep = below.1 <= 0.0 || libm::log(above.1 / below.1) > STEEP * libm::log(above.0 / below.0);
     is_steep.then_some([below, above])
 }
 
@@ -117,7 +117,9 @@ fn reaches_one(margins: &[Margin], goes_on: bool) -> Option<f64> {
         None if goes_on => share / margin.sqrt(),
         None => share,
         Some((_, less)) if less <= 0.0 => share,
-        Some((before, less)) => before * (share / before).powf(less.ln() / (less / margin).ln()),
+        Some((before, less)) => {
+            before * libm::pow(share / before, libm::log(less) / libm::log(less / margin))
+        }
     })
 }
 

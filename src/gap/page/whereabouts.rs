@@ -1,8 +1,8 @@
 //! Where and when something is missing: junctions beside each other, and the force at the best of them.
 
 use super::sheet::{bar, number, pictures, table};
-use crate::gap::intervals::TWO_SIDED_95;
 use crate::gap::search::Outcome;
+use crate::gap::statistics::{NORMAL_95, ends};
 use crate::gap::whereabouts::{self, Curve, Force, Whereabouts};
 use crate::html::escaped;
 use crate::instruments::Display;
@@ -177,17 +177,16 @@ impl Graph {
             there.fold(0.0, f64::max)
         };
         let (across, up) = (Display::new(unit, largest(0)), Display::new(&found.unit, largest(1)));
-        let force = |ends: [f64; 2], point: &[f64; 3]| [ends[0].min(point[1]), ends[1].max(point[1])];
-        let [low, high] = points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], force);
+        let [low, high] = ends(points.iter().map(|point| point[1]));
         let room = ROOM * (high - low);
-        let ends = points.iter().flat_map(|[_, force, error]| {
-            let error = TWO_SIDED_95 * error;
+        let reached = points.iter().flat_map(|[_, force, error]| {
+            let error = NORMAL_95 * error;
             [(force - error).max(low - room), (force + error).min(high + room)]
         });
         let horizontal = points.iter().map(|point| across.value(point[0]));
         Graph {
             horizontal: Axis::snug(name, &across.unit, horizontal, Axis::ACROSS),
-            vertical: Axis::fit("force", &up.unit, ends.map(|force| up.value(force)), Axis::UP),
+            vertical: Axis::fit("force", &up.unit, reached.map(|force| up.value(force)), Axis::UP),
             across,
             up,
         }
@@ -200,7 +199,7 @@ impl Graph {
 
     /// How far forces are off in 95 of 100 cases.
     fn errors(&self, points: &[[f64; 3]]) -> Vec<f64> {
-        points.iter().map(|[_, _, error]| self.up.value(TWO_SIDED_95 * error)).collect()
+        points.iter().map(|[_, _, error]| self.up.value(NORMAL_95 * error)).collect()
     }
 
     fn picture(&self, title: String) -> Picture {

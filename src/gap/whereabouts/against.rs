@@ -1,6 +1,7 @@
 //! What a force may depend on: what the patch itself does, and how long it has been at rest.
 
 use crate::gap::site::Reading;
+use crate::gap::statistics::ends;
 use nalgebra::DMatrix;
 
 use super::unknown::{Instant, Shape};
@@ -47,8 +48,7 @@ impl Variable {
 
     /// So many knots over its range, with two about 0 where a force may jump there; nothing where it stands still.
     pub fn knots(&self, count: usize) -> Option<Vec<f64>> {
-        let extent = |[low, high]: [f64; 2], own: &f64| [low.min(*own), high.max(*own)];
-        let [low, high] = self.tracks.iter().flatten().fold([f64::INFINITY, f64::NEG_INFINITY], extent);
+        let [low, high] = ends(self.tracks.iter().flatten().copied());
         let range = high - low;
         if range.is_nan() || range <= 1e-9 * low.abs().max(high.abs()) {
             return None;

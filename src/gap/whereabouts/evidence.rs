@@ -305,8 +305,8 @@ impl Reduced {
     }
 
     fn evidence(&self, weight: f64) -> f64 {
-        let spread: f64 = self.values.iter().map(|value| (weight * value).ln_1p()).sum();
-        -0.5 * (self.rows * (self.misfit(weight) / self.without).ln() + spread)
+        let spread: f64 = self.values.iter().map(|value| libm::log1p(weight * value)).sum();
+        -0.5 * (self.rows * libm::log(self.misfit(weight) / self.without) + spread)
     }
 
     /// The weight of the largest evidence.

@@ -6,7 +6,7 @@ use super::recovered::{setting, with_function, with_table};
 use super::unknown::{Found, Shape, Sought, Start, between};
 use super::{Curve, Force, Whereabouts};
 use crate::gap::effort::Effort;
-use crate::gap::fit::{Fitted, Point, Task, unexplained};
+use crate::gap::fit::{Fitted, Point, Task};
 use crate::gap::model::{ModelError, Table, begun};
 use crate::gap::record::Record;
 use crate::gap::site::{Junction, Reading, Sites};
@@ -390,7 +390,7 @@ fn outline(knots: &[f64]) -> Vec<usize> {
 
 /// The share of a gap that is closed where so much is left of its squares.
 fn share(base: &Fitted, chi2: f64) -> f64 {
-    1.0 - unexplained(chi2, base.count) / base.unexplained()
+    1.0 - base.unexplained_of(chi2) / base.unexplained()
 }
 
 /// A number of its own every few samples.

@@ -121,7 +121,8 @@ pub fn sentence(found: &[Whereabouts]) -> Option<String> {
     let best = found.first()?;
     let near = nearest(found);
     if near.is_empty() {
-        return Some("no force at any junction explains the gap".to_owned());
+        let few = "no force over time at any junction explains the gap: it is too fast, or too small, to be found without a law";
+        return Some(few.to_owned());
     }
     let apart = if near.len() > 1 { ", which these data cannot tell apart" } else { "" };
     let against = match best.best_against() {

@@ -141,6 +141,7 @@ struct Standing {
 impl Sought<'_> {
     /// Finds it; nothing where the patch cannot be run, or where it comes to nothing better than no force.
     pub fn find(&self, start: &Start<'_>) -> Option<Found> {
+        let is_better = |chi2: f64| chi2 < self.without;
         let none = DVector::zeros(self.shape.count());
         let sought = start.sought.map_or(none, DVector::from_column_slice);
         let mut standing = Standing { at: self.task.shares(start.point), sought };
@@ -150,19 +151,18 @@ impl Sought<'_> {
             let products = self.products(&standing)?;
             let solved = products.solved()?;
             let Some((next, chi2)) = self.step(&standing, &solved, before) else {
-                return (before < self.without)
-                    .then(|| self.found(&standing, &standing, products, solved, before));
+                return is_better(before).then(|| self.found(&standing, &standing, products, solved, before));
             };
             let is_settled = self.acts_back && (before - chi2).abs() < FORESEEN * chi2;
             if is_settled || (chi2 - solved.left).abs() < FORESEEN * solved.left {
-                return Some(self.found(&next, &standing, products, solved, chi2));
+                return is_better(chi2).then(|| self.found(&next, &standing, products, solved, chi2));
             }
             if round == MOST_ROUNDS {
                 // What is sought alone, beside what came nearest.
                 let frozen = Standing { sought: products.frozen().solved()?.sought, at: standing.at.clone() };
                 let frozen = self.chi2(&frozen).map(|chi2| (frozen, chi2));
                 let nearest = frozen.into_iter().chain([(next, chi2)]).min_by(|a, b| a.1.total_cmp(&b.1));
-                let (next, chi2) = nearest.filter(|(_, chi2)| *chi2 < self.without)?;
+                let (next, chi2) = nearest.filter(|(_, chi2)| is_better(*chi2))?;
                 return Some(self.found(&next, &standing, products, solved, chi2));
             }
             (standing, before) = (next, chi2);
