@@ -37,6 +37,14 @@ pub(super) fn begun_anew<'p>(
     drives.filter(move |(name, kind)| !is_fed(name) && moves(name, kind)).map(|(name, _)| name)
 }
 
+/// The drives of a patch that are constant from the beginning.
+pub(super) fn constants(patch: &Patch) -> impl Iterator<Item = &str> {
+    let drives = patch.drives.iter().filter(|(name, drive)| {
+        drive.kind.name == "step" && patch.value()["drives"][name.as_str()].get("at").is_none()
+    });
+    drives.map(|(name, _)| name.as_str())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -648,7 +648,6 @@ impl Problem {
             in_pieces: stage
                 .in_pieces
                 .as_ref()
-                .filter(|_| stage.is_far())
                 .map(|home| begun(home, asked.before.and_then(|before| before.in_pieces.as_ref()))),
             held: Some(&stage.test.point.initial),
             seen: asked.before.map(|before| before.seen.clone()).unwrap_or_default(),

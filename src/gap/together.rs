@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::clock::begun_anew;
+use super::clock::{begun_anew, constants};
 use super::document::{Document, DriveWire, Held, Hold, OutputWire, Source, Wire};
 use super::experiment::{Experiment, Feed, LEAST_SAMPLES, Output};
 use super::fittable::to_fit;
@@ -103,6 +103,9 @@ impl<'a> Bringing<'a> {
         };
         if !any_error(self.findings) {
             motion::check(&made, document, self.findings);
+        }
+        if !any_error(self.findings) {
+            self.check_still(&made.patch);
         }
         Ok(made)
     }
@@ -208,6 +211,17 @@ impl<'a> Bringing<'a> {
         };
         let message = format!("no column feeds {own} of the patch: what moves there {does}");
         self.findings.push(Diagnostic::at(code, named.span, message));
+    }
+
+    /// Tells where nothing drives the patch although it has drives.
+    fn check_still(&mut self, patch: &Patch) {
+        let document = self.document;
+        let drives: Vec<&str> = constants(patch).collect();
+        let moves = !document.drives.is_empty() || begun_anew(patch, |_| false).next().is_some();
+        let is_still = !moves && !drives.is_empty();
+        let Some(named) = document.patch.as_ref().filter(|_| is_still) else { return };
+        let message = format!("no column feeds {} of the patch: nothing moves there", drives.join(", "));
+        self.findings.push(Diagnostic::at(Code::UnfedDrives, named.span, message));
     }
 
     /// Tells where nothing is fitted, and the experiment does not say so.

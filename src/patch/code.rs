@@ -151,7 +151,7 @@ codes! {
         "tell the \"unit\" of the column, if it is another than that of the scale; else let a volt of the scale stand for less";
     SharedColumn "shared-column" Warning "A column that stands for two drives or outputs."
         "name the column of each";
-    UnfedDrives "unfed-drives" Warning "An experiment of which no column feeds a drive that moves in the patch."
+    UnfedDrives "unfed-drives" Warning "An experiment of which no column feeds a drive that moves in the patch, or any drive, so that nothing moves there."
         "name its column under \"drives\", if what drove the thing was measured";
     NothingToFit "nothing-to-fit" Warning "An experiment with a patch of which no parameter can be fitted."
         "give those a range that are not known; if all are, write \"fit\": []";

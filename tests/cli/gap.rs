@@ -166,8 +166,11 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
     let stale = out_folder.join("recovered.json");
     std::fs::create_dir(&out_folder).unwrap();
     std::fs::write(&stale, "of an earlier search").unwrap();
-    std::fs::write(out_folder.join("report.json"), r#"{"recovered": "elsewhere/found/recovered.json"}"#)
-        .unwrap();
+    std::fs::write(
+        out_folder.join("report.json"),
+        r#"{"verdict": "unknown-effect", "recovered": "elsewhere/found/recovered.json"}"#,
+    )
+    .unwrap();
     let own = out_folder.join("separate.csv");
     std::fs::write(&own, "of nobody's search").unwrap();
     let effects = folder.path().join("effects");
@@ -261,6 +264,20 @@ fn what_is_missing_is_named_and_written_as_a_patch() {
 }
 
 #[test]
+fn nothing_that_no_search_has_left_is_written_over() {
+    for name in ["report.html", "augmented.json"] {
+        let folder = tempfile::tempdir().unwrap();
+        let own = folder.path().join(name);
+        std::fs::write(&own, "mine").unwrap();
+        let told = patchcord(&["gap", SLIDE, "--out", folder.path().to_str().unwrap()]);
+        let said = format!("{name} is there already, and no search has left it");
+        assert!(code(&told) == 2 && errors(&told).contains(&said), "{}", errors(&told));
+        assert_eq!(std::fs::read_to_string(&own).unwrap(), "mine");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}
+
+#[test]
 fn nothing_of_the_experiment_is_written_over() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
@@ -310,7 +327,7 @@ fn where_nothing_is_missing_what_would_have_shown_is_a_table() {
     let first = text.lines().next().unwrap();
     assert!(first.contains("nothing is missing that these data would show; the weakest "), "{first}");
     let table =
-        text.split("what these data would have shown, every effect where it shows best\n\n").nth(1).unwrap();
+        text.split("what these data would have shown, every effect where it shows best of all places and values that were tried\n\n").nth(1).unwrap();
     let rows: Vec<&str> = table.lines().skip(1).take_while(|line| !line.is_empty()).collect();
     let friction = rows.iter().find(|row| row.starts_with("coulomb-friction ")).unwrap();
     assert!(friction.contains(" IV ") && friction.contains(" Fc ") && friction.ends_with(" N"), "{friction}");

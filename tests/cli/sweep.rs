@@ -138,7 +138,7 @@ fn a_wrong_command_line_ends_with_2_before_any_run() {
         (&["--measure", "peek:v_o"], "did you mean \"peak\"?"),
         (&["--measure", "peak:v_o"], "two columns would be called peak:v_o"),
         (&["--threads", "0"], "--threads"),
-        (&["--threads", "-1"], "-1 is not in 1..=1024"),
+        (&["--threads", "-1"], "a whole number from 1 to 1024 is wanted"),
         (&["--tol", "1e-20"], "the rounding of numbers is no smaller"),
         (&["--tol", "-1e-6"], "a number from 1e-13 to 1 is wanted"),
         (&["--step", "1"], "longer than the run"),
