@@ -22,10 +22,9 @@ pub(super) fn begun_anew<'p>(
     patch: &'p Patch,
     is_fed: impl Fn(&str) -> bool + 'p,
 ) -> impl Iterator<Item = &'p str> {
-    let circuit = Circuit::new(patch, &[]).ok();
-    let seconds = move |at: &Value| {
-        let formula = at.as_str().and_then(|text| Formula::parse(text).ok());
-        formula.map_or(at.as_f64(), |formula| formula.evaluate(circuit.as_ref()?.quantities()).ok())
+    let seconds = |at: &Value| match at.as_str() {
+        Some(text) => Formula::parse(text).ok()?.evaluate(Circuit::new(patch, &[]).ok()?.quantities()).ok(),
+        None => at.as_f64(),
     };
     let moves = move |name: &str, kind: &str| {
         let drive = &patch.value()["drives"][name];

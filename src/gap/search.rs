@@ -315,10 +315,10 @@ impl Problem {
         let left = last.gap() / base.gap();
         let not_white = self.not_white(last, with.threads)?;
         let leaves_noise = !last.leaves_structure() || not_white.is_some();
-        let is_nothing = leaves_noise && rounds.iter().all(|round| !round.taken);
+        let taken = taken(rounds).count();
         let blind = match not_white {
             Some(own) => Some(Blind::NotWhite(own)),
-            None if is_nothing => self.is_blind(base, rounds, limits)?,
+            None if taken == 0 && leaves_noise => self.is_blind(base, rounds, limits)?,
             None => None,
         };
         let verdict = verdict(rounds, left, leaves_noise, blind.is_some());
@@ -327,15 +327,14 @@ impl Problem {
         }
         progress(Progress::of(Part::Where));
         let whereabouts = self.whereabouts(base, with.threads)?;
-        let slow = match verdict == Verdict::UnknownEffect && rounds.iter().all(|round| !round.taken) {
+        let slow = match verdict == Verdict::UnknownEffect && taken == 0 {
             true => self.slow_noise(base, likeliest(&whereabouts)),
             false => None,
         };
         if let Some(slow) = slow {
             return Ok((Verdict::CannotJudge, Some(Blind::Slow(slow)), Vec::new()));
         }
-        let are_several = rounds.iter().filter(|round| round.taken).count() > 1;
-        let is_doubtful = verdict.has_names() && !leaves_noise && (are_several || leaves_much(last, left));
+        let is_doubtful = verdict.has_names() && !leaves_noise && (taken > 1 || leaves_much(last, left));
         let is_other = is_doubtful && !is_sure(base, last, rounds) && is_a_curve(&whereabouts, left);
         Ok((if is_other { Verdict::UnknownEffect } else { verdict }, blind, whereabouts))
     }
@@ -401,9 +400,14 @@ impl Problem {
     }
 }
 
+/// The rounds that took something.
+fn taken(rounds: &[Round]) -> impl Iterator<Item = &Round> + Clone {
+    rounds.iter().filter(|round| round.taken)
+}
+
 /// What rounds come to that leave such a share of the gap.
 fn verdict(rounds: &[Round], left: f64, leaves_noise: bool, is_blind: bool) -> Verdict {
-    let taken = rounds.iter().filter(|round| round.taken);
+    let taken = taken(rounds);
     let most_left = MOST_LEFT * (taken.clone().count() as f64).sqrt();
     match (taken.clone().count(), leaves_noise) {
         (0, true) if is_blind => Verdict::CannotJudge,
@@ -423,7 +427,7 @@ fn leaves_much(stage: &Stage, left: f64) -> bool {
 /// Whether what leaves structure is to be believed all the same: one effect alone, that stands out, that is no stronger than it may
 /// be, and beside which the patch does not ask for values beyond their ranges.
 fn is_sure(base: &Stage, last: &Stage, rounds: &[Round]) -> bool {
-    let is_alone = rounds.iter().filter(|round| round.taken).count() == 1;
+    let is_alone = taken(rounds).count() == 1;
     let is_within = |round: &Round| !last.is_strongest(&round.trials[0].candidate);
     is_alone && rounds[0].stands_out() && is_within(&rounds[0]) && last.newly_at_end(base).next().is_none()
 }

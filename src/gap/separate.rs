@@ -293,12 +293,11 @@ impl Problem {
     fn resting(&self, drive: usize, turns: bool) -> Resting {
         let [least, most] = ends(self.driven(drive));
         let full = REFERENCE * self.drives[drive].per_volt.abs();
-        let (about, allowed) = match least < 0.0 {
-            _ if turns || self.goes_both_ways(drive) => (0.0, [-full, full]),
-            is_below => {
-                let mean = self.driven(drive).sum::<f64>() / self.driven(drive).count() as f64;
-                (mean, if is_below { [-full, 0.0] } else { [0.0, full] })
-            }
+        let (about, allowed) = if turns || self.goes_both_ways(drive) {
+            (0.0, [-full, full])
+        } else {
+            let mean = self.driven(drive).sum::<f64>() / self.driven(drive).count() as f64;
+            (mean, if least < 0.0 { [-full, 0.0] } else { [0.0, full] })
         };
         Resting { about, most: (most - about).max(about - least), allowed }
     }

@@ -16,6 +16,7 @@ use spectrum::frequencies_below;
 pub(super) use spectrum::{Peak, peaks};
 pub(super) use wild::wild;
 
+use super::score::there;
 use super::statistics::{ends, mean};
 
 /// What a column is like. Values are in its unit.
@@ -40,10 +41,6 @@ pub struct Examined {
     /// The frequencies in Hz below which the shares [`SHARES`] of the power lie, the mean and a straight trend left out; the duration
     /// of the record resolves no less than its inverse. `None` where nothing moves.
     pub below: Option<[f64; SHARES.len()]>,
-}
-
-fn there(samples: &[f64]) -> Vec<f64> {
-    samples.iter().copied().filter(|sample| !sample.is_nan()).collect()
 }
 
 /// The noise of evenly spaced samples; `None` where there are too few of them.
