@@ -10,7 +10,8 @@ pub(super) struct Document {
     pub title: String,
     pub patch: Option<Placed<String>>,
     pub data: Vec<Source>,
-    pub clock: Clock,
+    /// `None` where it cannot be read.
+    pub clock: Option<Clock>,
     pub drives: Vec<DriveWire>,
     pub outputs: Vec<OutputWire>,
     /// The parameters to fit; `None` where it does not say.
@@ -151,7 +152,7 @@ pub(super) fn document(root: &Node, findings: &mut Findings) -> Option<Document>
     let patch = patch.and_then(|node| word(node, "patch", all));
     let data = fields.need("data", "the CSV file of what was measured, or a list of them");
     let data = data.map(|node| sources(node, "data", all)).unwrap_or_default();
-    let clock = fields.take("time").and_then(|node| clock(node, all)).unwrap_or(Clock::Usual);
+    let clock = fields.take("time").map_or(Some(Clock::Usual), |node| clock(node, all));
     let drives = named(fields.take("drives"), "drives", all, drive);
     let outputs =
         fields.need("outputs", "which signal of the patch each column measures: {\"x\": \"column\"}");
@@ -251,18 +252,22 @@ fn clock(node: &Node, findings: &mut Findings) -> Option<Clock> {
     let name = fields.need("column", "the column of the times; or \"interval\", the time between samples");
     let name = name.and_then(|node| word(node, "column", findings));
     fields.finish(findings);
-    Some(Clock::Column { name: name?, unit })
+    Some(Clock::Column { name: name?, unit: unit? })
 }
 
 /// Samples that follow each other evenly: then no column has their times.
-fn even(mut fields: Fields<'_>, unit: Option<Placed<Unit>>, findings: &mut Findings) -> Option<Clock> {
+fn even(
+    mut fields: Fields<'_>,
+    unit: Option<Option<Placed<Unit>>>,
+    findings: &mut Findings,
+) -> Option<Clock> {
     let interval = positive(&mut fields, "interval", findings);
     if let Some((span, _)) = fields.take_with_key("column") {
         let message = "\"column\" and \"interval\" both say when samples were taken";
         findings.push(Diagnostic::at(Code::ExcludingKeys, span, message));
     }
     fields.finish(findings);
-    let interval = interval?;
+    let (interval, unit) = (interval?, unit?);
     let unit = unit.map_or(1.0, |unit| unit.value.factor());
     let seconds = interval.value * unit;
     if !seconds.is_normal() {
@@ -273,9 +278,10 @@ fn even(mut fields: Fields<'_>, unit: Option<Placed<Unit>>, findings: &mut Findi
     Some(Clock::Even { seconds, unit })
 }
 
-/// A unit of time.
-fn time_unit(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Placed<Unit>> {
-    let unit = placed_unit(fields, findings)?;
+/// The unit that is told for times; `None` where it cannot be read.
+fn time_unit(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Option<Placed<Unit>>> {
+    let Some(node) = fields.take("unit") else { return Some(None) };
+    let unit = placed_unit(node, findings)?;
     if unit.value.dimension() != Dimension::TIME {
         let message = format!("times are not measured in {}", unit.value);
         findings.push(
@@ -284,11 +290,10 @@ fn time_unit(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Placed<
         );
         return None;
     }
-    Some(unit)
+    Some(Some(unit))
 }
 
-fn placed_unit(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<Placed<Unit>> {
-    let node = fields.take("unit")?;
+fn placed_unit(node: &Node, findings: &mut Findings) -> Option<Placed<Unit>> {
     Some(Placed { value: unit_of(node, findings)?, span: node.span })
 }
 
@@ -324,7 +329,7 @@ fn wire<T>(
     let mut fields = Fields::of(&entry.value, format!("the {noun} {}", entry.key), findings)?;
     let column = fields.need("column", "the name of its column in the data");
     let column = column.and_then(|node| word(node, "column", findings));
-    let unit = placed_unit(&mut fields, findings);
+    let unit = fields.take("unit").and_then(|node| placed_unit(node, findings));
     let more = more(Some(&mut fields), findings);
     fields.text("note", findings);
     fields.finish(findings);

@@ -18,6 +18,10 @@ const MOST_NUDGE: f64 = 0.02;
 const FELT: f64 = 0.5;
 /// So often they are taken over less at most.
 const MOST_NARROWED: usize = 8;
+/// A derivative bends where over a quarter of the move its square is more than so many times larger;
+const BENT: f64 = 1.5;
+/// so often a move is quartered at most.
+const MOST_QUARTERED: usize = 4;
 /// An end is moved out where the sum of squares rises, with all else fitted again, by less than this share of what it should,
 const LEAST_RISE: f64 = 0.5;
 /// to twice as far, so often at most,
@@ -123,7 +127,7 @@ impl<'a> Task<'a> {
     fn around(self, stage: &Stage) -> Option<Around<'a>> {
         let at = self.shares(&stage.train.point);
         let courses = self.courses(std::slice::from_ref(&at)).pop()??;
-        let far = self.seen(&at, &courses, &self.wide_nudges(&at, &courses));
+        let far = self.seen(&at, &courses, &self.straight_nudges(&at, &courses));
         // What is not told by next to nothing is not told: over more, curves hide what goes together.
         let near = self.seen(&at, &courses, &self.nudges(&at));
         let is_told: Vec<bool> =
@@ -172,6 +176,30 @@ impl Task<'_> {
             }
         }
         nudges
+    }
+
+    /// The same, less where so far off all has changed its course, as a sine does with its frequency. Next to kinks of laws
+    /// derivatives grow on and on: the wide moves stay.
+    fn straight_nudges(&self, at: &DVector<f64>, courses: &[Course]) -> Vec<f64> {
+        let squares = |nudges: &[f64]| self.seen(at, courses, nudges).normal.matrix.diagonal();
+        let mut straight = self.wide_nudges(at, courses);
+        let mut moves = straight.clone();
+        let mut felt = squares(&moves);
+        let mut bent: Vec<usize> = (0..at.len()).collect();
+        for round in 0..MOST_QUARTERED {
+            let quarters: Vec<f64> = moves.iter().map(|nudge| nudge / 4.0).collect();
+            let nearer = squares(&quarters);
+            let (bends, settles): (Vec<_>, Vec<_>) =
+                bent.into_iter().partition(|index| nearer[*index] > BENT * felt[*index]);
+            if round > 0 {
+                settles.into_iter().for_each(|index| straight[index] = quarters[index]);
+            }
+            if bends.is_empty() {
+                break;
+            }
+            (bent, moves, felt) = (bends, quarters, nearer);
+        }
+        straight
     }
 
     /// What so large moves of each coordinate change.
@@ -275,8 +303,11 @@ impl Around<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
-    use crate::gap::steps::tests::{AMPLITUDE, RATE, decay};
+    use crate::gap::steps::tests::{AMPLITUDE, RATE, decay, measured};
+    use crate::patch::Patch;
 
     #[test]
     fn the_ends_of_an_interval_are_told_apart() {
@@ -318,5 +349,27 @@ mod tests {
         assert!((0.5..1.5).contains(&rises[1]), "{known:?} {rises:?}");
         assert!(known.interval[1] - RATE > 1.5 * student_95(19) * known.error, "{known:?}");
         assert_eq!(self::known(10.0).0.interval[1], 10.0);
+    }
+
+    /// A fiftieth of the range is eight turns at the end of what was measured.
+    #[test]
+    fn a_frequency_is_known_as_well_as_its_sine_tells() {
+        let patch = r#"{
+  "patchcord": 1,
+  "parameters": {"f": {"value": 3.3, "unit": "1/s", "range": [0.1, 20]}},
+  "scales": {"volts": {"per_volt": 1, "unit": "V"}},
+  "drives": {"D1": {"kind": "sine", "scale": "volts", "amplitude": 5, "frequency": "f"}},
+  "elements": {"A1": {"kind": "summer", "in": {"x1": ["D1"]}}}
+}"#;
+        let patch = Patch::parse("sine.json", patch).unwrap_or_else(|report| panic!("{report}"));
+        let (count, sigma) = (200, 10.0);
+        let times = (0..count).map(|sample| 0.1 * f64::from(sample));
+        let volts = times.clone().map(|time| -5.0 * (2.0 * PI * 3.3 * time).sin()).collect();
+        let problem = measured("A1", volts, sigma, 32);
+        let base = problem.base(&patch, &["f".to_owned()], 1).unwrap().unwrap();
+        let known = problem.with_errors(base).unwrap().known(0);
+        let felt = times.map(|time| (5.0 * 2.0 * PI * time * (2.0 * PI * 3.3 * time).cos()).powi(2));
+        let error = sigma / felt.sum::<f64>().sqrt();
+        assert!((known.error / error - 1.0).abs() < 0.05, "{known:?} {error}");
     }
 }

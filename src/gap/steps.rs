@@ -153,6 +153,11 @@ pub(in crate::gap) mod tests {
 }"#;
         let patch = Patch::parse("decay.json", patch).unwrap_or_else(|report| panic!("{report}"));
         let decayed = (0..20).map(|sample| AMPLITUDE * (-RATE * f64::from(sample)).exp());
+        (patch, vec!["rate".to_owned()], measured("A1", decayed.collect(), sigma, steps))
+    }
+
+    /// What was measured each 0.1 s at an element, in volts, with noise that is told.
+    pub fn measured(at: &str, volts: Vec<f64>, sigma: f64, steps: u32) -> Problem {
         let record = Record {
             name: String::new(),
             begin: 0.0,
@@ -160,13 +165,13 @@ pub(in crate::gap) mod tests {
             interval: 0.1,
             jitter: 0.0,
             drives: Vec::new(),
-            outputs: vec![decayed.collect()],
+            outputs: vec![volts],
         };
         let records = vec![record];
-        let problem = Problem {
+        Problem {
             drives: Vec::new(),
             drive_sigma: Vec::new(),
-            outputs: vec!["A1".to_owned()],
+            outputs: vec![at.to_owned()],
             sigma: vec![sigma],
             offset: vec![false],
             train: records.clone(),
@@ -175,8 +180,7 @@ pub(in crate::gap) mod tests {
             test: records,
             is_cut: false,
             steps,
-        };
-        (patch, vec!["rate".to_owned()], problem)
+        }
     }
 
     #[test]

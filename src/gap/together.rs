@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::clock::{begun_anew, constants};
-use super::document::{Document, DriveWire, Held, Hold, OutputWire, Source, Wire};
+use super::document::{Clock, Document, DriveWire, Held, Hold, OutputWire, Source, Wire};
 use super::experiment::{Experiment, Feed, LEAST_SAMPLES, Output};
 use super::fittable::to_fit;
 use super::measured::{self, Measured, Wanted, plural};
@@ -259,9 +259,10 @@ impl<'a> Bringing<'a> {
     /// Reads the files of records.
     fn files(&mut self, sources: &'a [Source], wanted: &[Wanted<'_>]) -> Vec<Read<'a>> {
         let mut files = Vec::new();
+        let Some(clock) = &self.document.clock else { return files };
         for source in sources {
-            self.check_renamed(source);
-            let read = measured::read(self.folder, source, &self.document.clock, wanted, self.findings);
+            self.check_renamed(source, clock);
+            let read = measured::read(self.folder, source, clock, wanted, self.findings);
             let path = self.folder.join(&source.file.value);
             let path = fs::canonicalize(&path).unwrap_or(path);
             files.extend(read.map(|(measured, seconds)| Read { path, source, measured, seconds }));
@@ -270,9 +271,9 @@ impl<'a> Bringing<'a> {
     }
 
     /// Refuses other names for columns that the experiment does not read.
-    fn check_renamed(&mut self, source: &Source) {
-        let clock = self.document.clock.column();
+    fn check_renamed(&mut self, source: &Source, clock: &Clock) {
         let known: Vec<_> = clock
+            .column()
             .into_iter()
             .chain(self.document.wires().map(|(wire, _)| wire.column.value.as_str()))
             .collect();
