@@ -5,9 +5,9 @@ mod common;
 mod integrated;
 
 use patchcord::circuit::Circuit;
+use patchcord::gap::attached::{Attached, Role};
 use patchcord::gap::candidate::Candidate;
 use patchcord::gap::effect::{Effect, Library};
-use patchcord::gap::graft::{Attached, Role};
 use patchcord::gap::reach::{Extent, Largest};
 use patchcord::gap::site::{Reading, Sites};
 use patchcord::patch::Patch;

@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 use common::shipped;
 use equations::Equations;
 use patchcord::gap::Experiment;
+use patchcord::gap::problem::Problem;
 use patchcord::gap::search::{Means, Outcome, Verdict};
-use patchcord::gap::stage::Problem;
 use patchcord::patch::Patch;
 use patchcord::solve::{self, RunSettings};
 

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
+use patchcord::gap::problem::Problem;
 use patchcord::gap::search::{Means, Outcome as Found, Verdict};
-use patchcord::gap::stage::Problem;
 
 use patchcord::patch::Unit;
 use serde_json::Value;

@@ -11,8 +11,9 @@ use std::{fs, thread};
 
 use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
+use patchcord::gap::problem::Problem;
 use patchcord::gap::search::{Means, Outcome};
-use patchcord::gap::stage::{Problem, Stage};
+use patchcord::gap::stage::Stage;
 use patchcord::output;
 
 const FOLDER: &str = "patches/measured";

@@ -15,10 +15,10 @@ use patchcord::gap::effect::Library;
 use patchcord::gap::limits::Visible;
 use patchcord::gap::page::Told;
 use patchcord::gap::places::Places;
+use patchcord::gap::problem::Problem;
 use patchcord::gap::progress::{Part, Progress};
 use patchcord::gap::report::asked;
 use patchcord::gap::search::{Means, Outcome};
-use patchcord::gap::stage::Problem;
 
 #[derive(Args)]
 pub(super) struct Arguments {

@@ -3,9 +3,9 @@
 use super::table::Table;
 use patchcord::gap::Experiment;
 use patchcord::gap::limits::{Limit, best_places};
+use patchcord::gap::problem::Problem;
 use patchcord::gap::round::{Round, Trial};
 use patchcord::gap::search::{Outcome, Verdict};
-use patchcord::gap::stage::Problem;
 use patchcord::gap::whereabouts::{self, Whereabouts};
 use patchcord::instruments::number;
 

@@ -63,7 +63,7 @@ fn found<T: Clone>(all: &[(Point, T)], point: &Point) -> Option<T> {
 mod tests {
     use super::*;
     use crate::gap::Experiment;
-    use crate::gap::stage::Problem;
+    use crate::gap::problem::Problem;
 
     #[test]
     fn what_was_found_before_is_not_found_again() {

@@ -3,10 +3,11 @@
 use serde_json::{Value, json};
 
 use super::model::ModelError;
+use super::problem::Problem;
 use super::round::APART;
 use super::score::advantage;
 use super::search::Verdict;
-use super::stage::{Problem, Stage, Version};
+use super::stage::{Stage, Version};
 use crate::instruments::number;
 use crate::patch::Edit;
 

@@ -3,10 +3,11 @@
 use super::fit::{Fitted, Point};
 use super::limits::Limit;
 use super::model::ModelError;
+use super::problem::Problem;
 use super::record::Record;
 use super::round::Round;
 use super::score::{colour, there};
-use super::stage::{COLOURED, Problem, Stage};
+use super::stage::{COLOURED, Stage};
 use super::statistics::mean;
 use super::turned::Turned;
 use super::unrest::{NotWhite, SlowNoise};

@@ -1,7 +1,8 @@
 //! An effect at a place of a patch, ready to be fitted: wired, in units, with the points from which fits begin.
 
+use super::attached::Attached;
 use super::effect::{EffectParameter, Start};
-use super::graft::{Attached, Brought, Graft};
+use super::graft::{Brought, Graft};
 use super::reach::{Largest, reach};
 use crate::patch::{EditError, Patch};
 

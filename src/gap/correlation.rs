@@ -3,8 +3,9 @@
 use serde_json::{Value, json};
 
 use super::model::{Course, ModelError};
+use super::problem::Problem;
 use super::score::{autocorrelations, lags};
-use super::stage::{Problem, Stage};
+use super::stage::Stage;
 use crate::spare;
 
 /// How a residual goes with a quantity.

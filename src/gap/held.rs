@@ -4,8 +4,9 @@ use super::begun::Begun;
 use super::effort::{Effort, Starts};
 use super::fit::{Fitted, MOST_ROUNDS, Point, Task};
 use super::model::ModelError;
+use super::problem::Problem;
 use super::record::Record;
-use super::stage::{Problem, Stage, Version};
+use super::stage::{Stage, Version};
 
 /// So often the derivatives are worked out in a first look at what was held back.
 pub(super) const FIRST_HELD: usize = 2;

@@ -6,6 +6,7 @@
 //! in, [`model`] runs the patch beside the records, [`fit`] turns its parameters, and [`search`] does all that for every
 //! effect and judges what came of it.
 
+pub mod attached;
 mod begun;
 pub mod beyond;
 pub mod blind;
@@ -33,8 +34,10 @@ mod normal;
 mod overload;
 pub mod page;
 mod parts;
+pub mod peaks;
 pub mod places;
 mod probe;
+pub mod problem;
 pub mod progress;
 mod provenance;
 pub mod reach;

@@ -1,7 +1,8 @@
 //! Amplifiers that are overloaded where the data lead a patch.
 
 use super::model::ModelError;
-use super::stage::{Problem, Stage};
+use super::problem::Problem;
+use super::stage::Stage;
 use crate::instruments::number;
 use crate::trace::Overload;
 

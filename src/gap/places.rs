@@ -2,9 +2,9 @@
 
 use indexmap::IndexSet;
 
+use super::attached::Attached;
 use super::effect::Library;
 use super::experiment::Feed;
-use super::graft::Attached;
 use super::site::Sites;
 use crate::patch::{Patch, Report};
 

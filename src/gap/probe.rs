@@ -3,9 +3,9 @@
 
 use std::fmt::Display;
 
+use super::attached::{Attached, Role};
 use super::candidate::Candidate;
 use super::effect::Effect;
-use super::graft::{Attached, Role};
 use super::model::ModelError;
 use super::reach::Extent;
 use super::site::Sites;

@@ -4,9 +4,9 @@ use std::mem;
 
 use serde_json::{Map, Value};
 
+use super::attached::Attached;
 use super::candidate::Candidate;
 use super::fit::Fitted;
-use super::graft::Attached;
 use super::score::{Advantage, advantage};
 use super::stage::{Stage, Untried};
 
@@ -347,7 +347,8 @@ mod tests {
     use crate::gap::Experiment;
     use crate::gap::effect::Library;
     use crate::gap::effort::Effort;
-    use crate::gap::stage::{Asked, Problem};
+    use crate::gap::problem::Problem;
+    use crate::gap::stage::Asked;
 
     /// A pump at its limit, wired where it is missing and looked at quickly: what a trial is made of.
     fn any() -> (Candidate, Stage) {

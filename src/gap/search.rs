@@ -1,22 +1,23 @@
 //! The search: every effect at every place that it fits, everything refitted, the best confirmed on what was held back; and
 //! again, until what is left looks like noise or nothing more can be named.
 
+use super::attached::Attached;
 use super::beyond::Beyond;
 use super::blind::Blind;
 use super::candidate::Candidate;
 use super::come::Come;
 use super::correlation::Correlation;
 use super::effect::Library;
-use super::graft::Attached;
 use super::limits::Limit;
 use super::model::ModelError;
 use super::places::Places;
+use super::problem::Problem;
 use super::progress::{Part, Progress};
 use super::round::Round;
 use super::separate::Separating;
 use super::settled::Found;
 use super::site::Sites;
-use super::stage::{Problem, Stage};
+use super::stage::Stage;
 use super::starts::Agreement;
 use super::steps::Fineness;
 use super::trying::Trying;

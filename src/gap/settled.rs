@@ -1,16 +1,17 @@
 //! Effects that were taken one after the other, each looked at again beside all the others: another may be better now, or none be
 //! needed.
 
+use super::attached::Attached;
 use super::candidate::Candidate;
 use super::come::Come;
 use super::effect::Library;
 use super::effort::Effort;
-use super::graft::Attached;
 use super::model::ModelError;
+use super::problem::Problem;
 use super::progress::Progress;
 use super::round::LEAST_CLOSED;
 use super::search::Means;
-use super::stage::{Asked, Problem, Stage, Untried};
+use super::stage::{Asked, Stage, Untried};
 
 impl Problem {
     /// Looks at every effect again, beside all the others: another may be better now, or none be needed; at the last of them only

@@ -4,51 +4,22 @@ use std::sync::OnceLock;
 
 use serde_json::json;
 
+use super::attached::Attached;
 use super::begun::Begun;
 use super::candidate::Candidate;
-use super::clock::begun_anew;
 use super::effort::{Effort, Starts};
-use super::examine::{NoiseKind, Peak, examine, noise_of, peaks};
-use super::experiment::{Experiment, Feed};
-use super::fit::{Fitted, Ladder, MOST_ROUNDS, Point, SETTLED_SHARE, Task};
-use super::graft::{Attached, Brought, Place, Role};
+use super::fit::{Fitted, Ladder, Point, Task};
+use super::graft::Brought;
 use super::intervals::Known;
-use super::model::{Course, Model, ModelError, share};
-use super::reach::{Extent, Largest};
+use super::model::{Course, ModelError, share};
+use super::peaks::Peaks;
+use super::problem::Problem;
 use super::record::Record;
 use super::score::{colour, memory};
 use super::starts::scattered;
-use super::statistics::ends;
 use super::unrest::NotWhite;
 use crate::circuit::Circuit;
 use crate::patch::{Edit, EditError, Patch};
-
-/// What a patch is held against.
-#[derive(Debug, Clone)]
-pub struct Problem {
-    /// Drives that the records feed.
-    pub drives: Vec<Feed>,
-    /// Standard deviation of the noise of each.
-    pub drive_sigma: Vec<f64>,
-    /// Signals that they hold.
-    pub outputs: Vec<String>,
-    /// Standard deviation of the noise of each.
-    pub sigma: Vec<f64>,
-    /// Which of them may stand off by a constant.
-    pub offset: Vec<bool>,
-    /// Records to fit.
-    pub train: Vec<Record>,
-    /// The same cut into pieces, over which errors cannot grow far.
-    pub pieces: Vec<Record>,
-    /// Into how many of these each record is cut, if it is long enough.
-    pub(super) cuts: usize,
-    /// Records to confirm with.
-    pub test: Vec<Record>,
-    /// Whether the records are pieces already, as the experiment asks.
-    pub is_cut: bool,
-    /// Steps of the solver from sample to sample, for the patch as it is.
-    pub steps: u32,
-}
 
 /// A patch with what may be turned in it.
 #[derive(Debug, Clone)]
@@ -265,93 +236,18 @@ impl From<'_> {
 const AT_END: f64 = 1e-6;
 /// Residuals further than this from white noise are not noise.
 pub(super) const COLOURED: f64 = 4.0;
-/// Into so many pieces a record is cut,
-const PIECES: usize = 16;
-/// none of them shorter than so many samples.
-const LEAST_PIECE: usize = 40;
 /// Where the gap is less than so many sigmas rms, fits find their way without pieces.
 const FAR: f64 = 5.0;
+
+/// A fit whose sum of squares is below this share of another's has found what that did not.
+const BETTER: f64 = 0.99;
 
 /// Looks at many records begin with so many samples of them,
 const GLANCED_AT: usize = 4000;
 /// and finds in so many rounds how all of them begin.
 const NEARLY: usize = 4;
 
-/// Where a column shows no noise, this share of its range counts as such: what the digits of a recorder leave.
-const LEAST_NOISE: f64 = 1e-6;
-/// A drive moves by so many times the noise of its column at least, rms.
-const LEAST_MOTION: f64 = 5.0;
-
 impl Problem {
-    /// What an experiment asks for; noise that it does not tell is estimated without a model.
-    ///
-    /// # Errors
-    /// When the patch cannot be run beside the records.
-    pub fn of(experiment: &Experiment) -> Result<Problem, ModelError> {
-        let cut = |records: &[Record]| match experiment.pieces {
-            Some(seconds) => records.iter().flat_map(|record| record.pieces_of(seconds)).collect(),
-            None => records.to_vec(),
-        };
-        let records = &experiment.train;
-        let sigma = experiment.outputs.iter().enumerate();
-        let sigma = sigma.map(|(place, output)| {
-            output.sigma.unwrap_or_else(|| largest(noise, records, place).max(least_noise(records, place)))
-        });
-        let drive_sigma = experiment.drives.iter().enumerate();
-        let drive_sigma = drive_sigma
-            .map(|(place, feed)| feed.sigma.unwrap_or_else(|| largest(drive_noise, records, place)));
-        // A drive of the patch would begin anew with every piece.
-        let mut own =
-            begun_anew(&experiment.patch, |name| experiment.drives.iter().any(|feed| feed.drive == name));
-        let cuts = if own.next().is_some() { 1 } else { PIECES };
-        let mut problem = Problem {
-            drives: experiment.drives.clone(),
-            drive_sigma: drive_sigma.collect(),
-            outputs: experiment.outputs.iter().map(|output| output.signal.clone()).collect(),
-            sigma: sigma.collect(),
-            offset: experiment.outputs.iter().map(|output| output.offset).collect(),
-            train: cut(&experiment.train),
-            pieces: experiment.train.iter().flat_map(|record| record.pieces(cuts, LEAST_PIECE)).collect(),
-            cuts,
-            test: cut(&experiment.test),
-            is_cut: experiment.pieces.is_some(),
-            steps: 1,
-        };
-        problem.steps = problem.steps(&experiment.patch, &experiment.fit)?;
-        Ok(problem)
-    }
-
-    /// An output of a record as a patch makes it that leaves this of the record.
-    pub(super) fn made(&self, record: &Record, left: &[Vec<f64>], output: usize) -> Vec<f64> {
-        let sigma = self.sigma[output];
-        record.outputs[output].iter().zip(&left[output]).map(|(datum, left)| datum - sigma * left).collect()
-    }
-
-    pub(super) fn model(
-        &self,
-        version: &Version,
-        records: &[Record],
-        outputs: &[String],
-    ) -> Result<Model, ModelError> {
-        Model::new(&version.patch, records, &self.drives, &version.fit, &version.free, outputs, version.steps)
-    }
-
-    pub(super) fn task<'a>(&'a self, model: &'a Model, records: &'a [Record], turns: bool) -> Task<'a> {
-        let (sigma, offset) = (&self.sigma, &self.offset);
-        Task {
-            model,
-            records,
-            sigma,
-            offset,
-            turns,
-            held: None,
-            wanted: f64::INFINITY,
-            most_rounds: MOST_ROUNDS,
-            settled: SETTLED_SHARE,
-            dampings: if model.goes_abreast() { Ladder::MANY } else { Ladder::ONE },
-        }
-    }
-
     /// Fits a patch from several points on, so that the sum of squares comes below what is wanted; nothing where it can be run
     /// from none of them.
     ///
@@ -456,17 +352,6 @@ impl Problem {
         Ok(whole.collect())
     }
 
-    /// A point of the pieces as one of the records whole.
-    fn joined_up(&self, point: &Point) -> Point {
-        let mut first = 0;
-        let initial = self.train.iter().map(|record| {
-            let own = point.initial[first].clone();
-            first += record.pieces(self.cuts, LEAST_PIECE).len();
-            own
-        });
-        Point { initial: initial.collect(), ..point.clone() }
-    }
-
     /// The first stage: a patch as it is, fitted from where it stands and from points scattered over the ranges of what is fitted.
     ///
     /// # Errors
@@ -562,32 +447,6 @@ impl Problem {
         Ok((names, courses))
     }
 
-    /// The largest values of what the signals and drives of a stage come to in training.
-    ///
-    /// # Errors
-    /// When the patch cannot be run beside the records.
-    pub fn peaks(&self, stage: &Stage) -> Result<Peaks, ModelError> {
-        let (names, courses) = self.courses(stage)?;
-        let extent =
-            |name: usize| ends(courses.iter().filter_map(|course| course.get(name)).flatten().copied());
-        let mut extents: Vec<Extent> = (0..names.len()).map(extent).map(Extent::of).collect();
-        // What was measured is known without a model.
-        for (output, name) in self.outputs.iter().enumerate() {
-            let Some(place) = names.iter().position(|own| own == name) else { continue };
-            extents[place] = Extent::measured(ends_of(&self.train, output), extents[place].ends);
-        }
-        let interval = self.train.iter().map(|record| record.interval).fold(f64::INFINITY, f64::min);
-        let end = |record: &Record| record.since + record.interval * record.len() as f64;
-        let length = self.train.iter().map(end).fold(0.0, f64::max);
-        let left = self.train.iter().zip(&stage.train.residuals);
-        let all = left.flat_map(|(record, tracks)| {
-            tracks.iter().flat_map(|track| peaks(track, record.interval, FREQUENCIES))
-        });
-        let highest = Peak::highest(all.collect(), MOST_FREQUENCIES);
-        let spectrum = highest.into_iter().map(|peak| peak.frequency).collect();
-        Ok(Peaks { names, extents, interval, length, spectrum })
-    }
-
     /// Wires one more effect into a stage: as a candidate, and as the version of the patch that is fitted.
     ///
     /// # Errors
@@ -656,77 +515,4 @@ impl Problem {
         let stage = self.stage(version, from, asked.wanted)?.ok_or(Untried::NotRun)?;
         Ok((candidate, stage))
     }
-}
-
-/// How far signals and drives go, in their units.
-#[derive(Debug, Clone)]
-pub struct Peaks {
-    names: Vec<String>,
-    extents: Vec<Extent>,
-    interval: f64,
-    /// From where a file begins to where the longest record ends, in seconds: what is cut into pieces is as long as it was.
-    length: f64,
-    /// The frequencies of which what is left is full, in Hz.
-    pub spectrum: Vec<f64>,
-}
-
-/// A fit whose sum of squares is below this share of another's has found what that did not.
-const BETTER: f64 = 0.99;
-/// So many frequencies are tried of every output in every record,
-const FREQUENCIES: usize = 3;
-/// and so many of all together.
-const MOST_FREQUENCIES: usize = 12;
-
-impl Peaks {
-    fn of(&self, name: &str) -> Option<Extent> {
-        let place = self.names.iter().position(|own| own == name)?;
-        Some(self.extents[place])
-    }
-
-    /// What the reaches of effects name at a place.
-    pub fn at(&self, place: &Place<'_>) -> Vec<Largest> {
-        let extent = |role: Role<'_>| match role {
-            Role::Read(reading) => self.of(&reading.signal),
-            // As fast as would cross its range in a twentieth of the record.
-            Role::Rate(junction) => self.of(&junction.own.signal).map(|own| own.times(20.0 / self.length)),
-        };
-        place.largest(extent, self.interval, self.length)
-    }
-}
-
-/// The ends between which an output lies.
-fn ends_of(records: &[Record], output: usize) -> [f64; 2] {
-    ends(records.iter().flat_map(|record| &record.outputs[output]).copied())
-}
-
-/// The white noise of a drive in a record; what comes to as much as it moves by is no noise of its column but what it drives with.
-fn drive_noise(record: &Record, drive: usize) -> f64 {
-    let is = examine(&record.drives[drive], record.interval);
-    let noise =
-        is.noise.filter(|noise| noise.kind == NoiseKind::White && is.rms > LEAST_MOTION * noise.sigma);
-    noise.map_or(0.0, |noise| noise.sigma)
-}
-
-/// The noise of an output in a record; 0 where that is too short to tell.
-fn noise(record: &Record, output: usize) -> f64 {
-    noise_of(&record.outputs[output]).map_or(0.0, |noise| noise.sigma)
-}
-
-/// The largest of what is estimated of a column in each of several records.
-fn largest(estimate: fn(&Record, usize) -> f64, records: &[Record], place: usize) -> f64 {
-    records.iter().map(|record| estimate(record, place)).fold(0.0, f64::max)
-}
-
-impl Experiment {
-    /// Whether an output shows noise in training, or the experiment tells some; where not, a millionth of its range counts as such.
-    pub fn shows_noise(&self, output: usize) -> bool {
-        let records = &self.train;
-        self.outputs[output].sigma.is_some() || largest(noise, records, output) > least_noise(records, output)
-    }
-}
-
-/// What counts as noise of an output at least, in its unit.
-fn least_noise(records: &[Record], output: usize) -> f64 {
-    let [least, most] = ends_of(records, output);
-    LEAST_NOISE * (most - least)
 }

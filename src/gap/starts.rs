@@ -6,7 +6,8 @@ use serde_json::{Value, json};
 
 use super::fit::Point;
 use super::model::{Model, ModelError};
-use super::stage::{Problem, Stage};
+use super::problem::Problem;
+use super::stage::Stage;
 use crate::instruments::number;
 
 /// So many points are scattered over the ranges.

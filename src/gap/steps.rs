@@ -2,7 +2,8 @@
 
 use super::fit::Point;
 use super::model::{Course, ModelError};
-use super::stage::{Problem, Stage, Version};
+use super::problem::Problem;
+use super::stage::{Stage, Version};
 use crate::instruments::number;
 use crate::patch::Patch;
 use crate::spare;

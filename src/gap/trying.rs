@@ -2,14 +2,16 @@
 
 use std::cmp::Reverse;
 
+use super::attached::Attached;
 use super::candidate::Candidate;
 use super::effort::Effort;
-use super::graft::Attached;
 use super::model::ModelError;
+use super::peaks::Peaks;
+use super::problem::Problem;
 use super::progress::Part;
 use super::round::{LeftOut, may_show};
 use super::settled::Found;
-use super::stage::{Asked, Peaks, Problem, Stage, Untried};
+use super::stage::{Asked, Stage, Untried};
 use crate::pool;
 
 /// So many of the best trials are fitted to ever more of the records, where all leave a large gap.

@@ -1,8 +1,9 @@
 //! Whether something was measured, or wired, the wrong way round: a patch that explains the opposite of an output lacks no effect.
 
 use super::model::ModelError;
+use super::problem::Problem;
 use super::record::Record;
-use super::stage::{Problem, Stage};
+use super::stage::Stage;
 use crate::instruments::number;
 use crate::patch::Patch;
 

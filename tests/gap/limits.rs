@@ -4,8 +4,8 @@ use std::path::Path;
 
 use patchcord::gap::blind::Blind;
 use patchcord::gap::limits::{Limit, best_places};
+use patchcord::gap::problem::Problem;
 use patchcord::gap::search::{Means, Outcome, Verdict};
-use patchcord::gap::stage::Problem;
 use patchcord::gap::{Experiment, Record};
 use patchcord::patch::Patch;
 use serde_json::{Value, json};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use patchcord::gap::Experiment;
-use patchcord::gap::stage::Problem;
+use patchcord::gap::problem::Problem;
 use serde_json::json;
 
 /// Seconds from sample to sample.

@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 use patchcord::gap::Experiment;
 use patchcord::gap::effect::Library;
 use patchcord::gap::page::{Told, page};
+use patchcord::gap::problem::Problem;
 use patchcord::gap::search::{Means, Outcome};
-use patchcord::gap::stage::Problem;
 
 use crate::r#where::oscillator;
 

@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 
 use patchcord::circuit::Circuit;
 use patchcord::gap::Experiment;
+use patchcord::gap::problem::Problem;
 use patchcord::gap::search::Outcome;
-use patchcord::gap::stage::Problem;
 use patchcord::patch::{Edit, Patch, Phase};
 use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};

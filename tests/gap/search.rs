@@ -8,8 +8,8 @@ use patchcord::circuit::Circuit;
 use patchcord::gap::Experiment;
 use patchcord::gap::candidate::Candidate;
 use patchcord::gap::effect::Library;
+use patchcord::gap::problem::Problem;
 use patchcord::gap::search::{Means, Outcome, Verdict};
-use patchcord::gap::stage::Problem;
 use serde_json::{Value, json};
 
 use super::library;

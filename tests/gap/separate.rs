@@ -2,8 +2,8 @@
 
 use patchcord::circuit::Circuit;
 use patchcord::gap::Experiment;
+use patchcord::gap::problem::Problem;
 use patchcord::gap::search::{Means, Outcome, Verdict};
-use patchcord::gap::stage::Problem;
 use patchcord::patch::{Edit, Patch};
 use patchcord::program::Program;
 use patchcord::solve::{RunSettings, run};

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use patchcord::circuit::Circuit;
 use patchcord::gap::Experiment;
+use patchcord::gap::attached::Attached;
 use patchcord::gap::candidate::Candidate;
-use patchcord::gap::graft::Attached;
+use patchcord::gap::problem::Problem;
 use patchcord::gap::reach::Extent;
 use patchcord::gap::search::{Means, Outcome, Verdict};
 use patchcord::gap::site::Sites;
-use patchcord::gap::stage::Problem;
 use patchcord::patch::{Edit, Patch, Phase};
 use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};

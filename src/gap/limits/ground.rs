@@ -8,9 +8,10 @@ use crate::gap::candidate::Candidate;
 use crate::gap::directions::product;
 use crate::gap::fit::Point;
 use crate::gap::model::ModelError;
+use crate::gap::problem::Problem;
 use crate::gap::round::{Bar, CONFIRMED};
 use crate::gap::score::expected;
-use crate::gap::stage::{Problem, Stage, Version};
+use crate::gap::stage::{Stage, Version};
 
 /// So many choices of an effect's other parameters are tried.
 const VARIANTS: usize = 3;

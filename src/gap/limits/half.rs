@@ -7,8 +7,9 @@ use crate::gap::directions::{less, orthonormal};
 use crate::gap::fit::{Fitted, Point, Task, stacked};
 use crate::gap::held::FIRST_HELD;
 use crate::gap::model::{Choice, Course, Model, ModelError};
+use crate::gap::problem::Problem;
 use crate::gap::record::Record;
-use crate::gap::stage::{Problem, Version};
+use crate::gap::stage::Version;
 
 /// By so many volts initial voltages of an effect are moved for derivatives.
 const NUDGE: f64 = 1e-3;

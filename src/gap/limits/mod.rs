@@ -13,12 +13,13 @@ mod tried;
 use serde_json::{Map, Value, json};
 
 use self::ground::Ground;
+use super::attached::Attached;
 use super::candidate::Candidate;
-use super::graft::Attached;
 use super::model::ModelError;
+use super::problem::Problem;
 use super::round::{Bar, LeftOut, Round};
 use super::search::Means;
-use super::stage::{Problem, Stage, Untried, Version};
+use super::stage::{Stage, Untried, Version};
 use crate::instruments::number;
 use crate::patch::{Patch, behind};
 use crate::pool;

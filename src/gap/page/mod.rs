@@ -13,8 +13,9 @@ mod whereabouts;
 
 use super::effect::Library;
 use super::experiment::Experiment;
+use super::problem::Problem;
 use super::search::{Outcome, Verdict};
-use super::stage::{Problem, Stage};
+use super::stage::Stage;
 use crate::html::{self, escaped};
 use crate::plot::PlotError;
 use sheet::over_noise;

@@ -8,9 +8,10 @@ use super::{Curve, Force, Whereabouts};
 use crate::gap::effort::Effort;
 use crate::gap::fit::{Fitted, Point, Task};
 use crate::gap::model::{ModelError, Table, begun};
+use crate::gap::problem::Problem;
 use crate::gap::record::Record;
 use crate::gap::site::{Junction, Reading, Sites};
-use crate::gap::stage::{Problem, Stage, Version};
+use crate::gap::stage::{Stage, Version};
 use crate::patch::Patch;
 
 /// Over so many knots the force of all records goes, and over more where something is left.

@@ -12,8 +12,9 @@ mod unknown;
 use serde_json::{Value, json};
 
 use super::model::ModelError;
+use super::problem::Problem;
 use super::site::Junction;
-use super::stage::{Problem, Stage};
+use super::stage::Stage;
 use crate::instruments::Display;
 use crate::patch::Patch;
 use crate::pool;

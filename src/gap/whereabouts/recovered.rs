@@ -1,7 +1,8 @@
 //! A recovered force as a part of the patch: a table over time, or a function generator over what the patch itself does.
 
+use crate::gap::attached::{Attached, Place};
 use crate::gap::effect::{Attachment, Effect, Form, Gives, Reads};
-use crate::gap::graft::{Attached, Graft, Place};
+use crate::gap::graft::Graft;
 use crate::gap::site::{Junction, Reading};
 use crate::patch::{EditError, Patch};
 use indexmap::IndexMap;
