@@ -18,6 +18,7 @@ const RECOVERED: &str = "recovered.json";
 const REPORT: &str = "report.json";
 const PAGE: &str = "report.html";
 const SEPARATE: &str = "separate.csv";
+const FILES: [&str; 6] = [AUGMENTED, FITTED, RECOVERED, REPORT, PAGE, SEPARATE];
 
 /// Where they go.
 pub(super) struct Folder<'f> {
@@ -27,7 +28,7 @@ pub(super) struct Folder<'f> {
 impl<'f> Folder<'f> {
     /// Makes the folder; tells before the search what cannot be written to, and what of the experiment would be written over.
     pub fn prepare(folder: &'f Path, experiment: &Experiment) -> Result<Self, Failure> {
-        let paths = [AUGMENTED, FITTED, RECOVERED, REPORT, PAGE, SEPARATE].map(|file| folder.join(file));
+        let paths = FILES.map(|file| folder.join(file));
         check_not("the experiment", Path::new(&experiment.file), paths.iter())?;
         check_not("the patch", Path::new(experiment.patch.file()), paths.iter())?;
         experiment.files.iter().try_for_each(|file| check_not("a record", file, paths.iter()))?;
@@ -41,13 +42,14 @@ impl<'f> Folder<'f> {
 
     /// Refuses to write over what no search has left.
     fn check_foreign(&self) -> Result<(), Failure> {
-        let written = [AUGMENTED, FITTED, REPORT, PAGE].map(|file| self.folder.join(file));
-        match written.iter().find(|path| path.exists()) {
-            Some(path) if !self.report()["verdict"].is_string() => Err(Failure::usage(format!(
+        let earlier = self.earlier();
+        let foreign = FILES.into_iter().filter(|file| !earlier.iter().any(|own| own == file));
+        match foreign.map(|file| self.folder.join(file)).find(|path| path.exists()) {
+            Some(path) => Err(Failure::usage(format!(
                 "{} is there already, and no search has left it: give another folder, or take it away",
                 path.display()
             ))),
-            _ => Ok(()),
+            None => Ok(()),
         }
     }
 
@@ -60,23 +62,25 @@ impl<'f> Folder<'f> {
     /// The names of the files that an earlier search left, by its report.
     fn earlier(&self) -> Vec<String> {
         let report = self.report();
-        let left = [&report["patch"], &report["recovered"], &report["separate"]["data"]];
-        let names = left.into_iter().filter_map(|path| Path::new(path.as_str()?).file_name());
-        names.map(|name| name.to_string_lossy().into_owned()).collect()
+        if !report["verdict"].is_string() {
+            return Vec::new();
+        }
+        let told = [&report["patch"], &report["recovered"], &report["separate"]["data"]];
+        let names = told.into_iter().filter_map(|path| Path::new(path.as_str()?).file_name());
+        let names = names.map(|name| name.to_string_lossy().into_owned());
+        names.chain([FITTED, REPORT, PAGE].map(str::to_owned)).collect()
     }
 
     /// Writes them, and puts into the document where they are. What an earlier search left that this one has nothing of
     /// goes: it would be taken for what this one found. Gives back what was done, a line each.
     pub fn write(&self, told: &Told<'_>, document: &mut Value) -> Result<String, Failure> {
         let (outcome, experiment) = (told.outcome, told.experiment);
-        let earlier = self.earlier();
         let mut done = String::new();
         let mut left = |file: &str, text: Option<&str>| {
             let path = self.folder.join(file);
             done += &match text {
                 Some(text) => wrote(&path, text.as_bytes())?,
-                None if earlier.iter().any(|own| own == file) => removed(&path)?,
-                None => String::new(),
+                None => removed(&path)?,
             };
             Ok::<_, Failure>(text.map_or(Value::Null, |_| path.display().to_string().into()))
         };

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::effect::has_name;
 use crate::circuit::Circuit;
 use crate::patch::{Formula, Patch};
 
@@ -13,35 +14,45 @@ const AT_ONCE: f64 = 1e-6;
 
 /// Whether a drive, as patches write it, is told when its record begins.
 pub(super) fn is_told_the_start(drive: &Value) -> bool {
-    let mut settings = drive.as_object().into_iter().flat_map(|settings| settings.values());
-    settings.any(|setting| setting.as_str().is_some_and(|formula| formula.contains(RECORD_START)))
+    has_name(drive, RECORD_START)
 }
 
-/// The drives of a patch that every run begins anew, where no column feeds them; a step at the beginning is a constant.
-pub(super) fn begun_anew<'p>(
-    patch: &'p Patch,
-    is_fed: impl Fn(&str) -> bool + 'p,
-) -> impl Iterator<Item = &'p str> {
+/// How a drive goes by the clock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Course {
+    /// It stands from the beginning.
+    Constant,
+    /// It moves, and every run begins it anew.
+    Anew,
+    /// It moves as the start of the record tells it to.
+    Told,
+}
+
+/// The drives of a patch, and how each goes; a step at the beginning is a constant.
+pub(super) fn courses(patch: &Patch) -> impl Iterator<Item = (&str, Course)> {
     let seconds = |at: &Value| match at.as_str() {
         Some(text) => Formula::parse(text).ok()?.evaluate(Circuit::new(patch, &[]).ok()?.quantities()).ok(),
         None => at.as_f64(),
     };
-    let moves = move |name: &str, kind: &str| {
-        let drive = &patch.value()["drives"][name];
-        let is_at_once = |at: &Value| seconds(at).is_some_and(|at| at <= AT_ONCE);
-        let is_constant = kind == "step" && drive.get("at").is_none_or(is_at_once);
-        !is_constant && !is_told_the_start(drive)
-    };
-    let drives = patch.drives.iter().map(|(name, drive)| (name.as_str(), drive.kind.name));
-    drives.filter(move |(name, kind)| !is_fed(name) && moves(name, kind)).map(|(name, _)| name)
+    let is_at_once = move |at: &Value| seconds(at).is_some_and(|at| at <= AT_ONCE);
+    patch.drives.iter().map(move |(name, own)| {
+        let drive = &patch.value()["drives"][name.as_str()];
+        let course = match own.kind.name {
+            _ if is_told_the_start(drive) => Course::Told,
+            "step" if drive.get("at").is_none_or(&is_at_once) => Course::Constant,
+            _ => Course::Anew,
+        };
+        (name.as_str(), course)
+    })
 }
 
-/// The drives of a patch that are constant from the beginning.
-pub(super) fn constants(patch: &Patch) -> impl Iterator<Item = &str> {
-    let drives = patch.drives.iter().filter(|(name, drive)| {
-        drive.kind.name == "step" && patch.value()["drives"][name.as_str()].get("at").is_none()
-    });
-    drives.map(|(name, _)| name.as_str())
+/// The drives of a patch that every run begins anew, where no column feeds them.
+pub(super) fn begun_anew<'p>(
+    patch: &'p Patch,
+    is_fed: impl Fn(&str) -> bool + 'p,
+) -> impl Iterator<Item = &'p str> {
+    let own = courses(patch).filter(move |(name, course)| *course == Course::Anew && !is_fed(name));
+    own.map(|(name, _)| name)
 }
 
 #[cfg(test)]
@@ -57,13 +68,18 @@ mod tests {
                 "fed": {"kind": "sine", "scale": "s", "amplitude": 1, "frequency": "f"},
                 "sine": {"kind": "sine", "scale": "s", "amplitude": 1, "frequency": "f"},
                 "told": {"kind": "sine", "scale": "s", "amplitude": 1, "frequency": "f", "phase": "2 * pi * f * record_start"},
+                "noted": {"kind": "sine", "scale": "s", "amplitude": 1, "frequency": "f", "note": "does not go by record_start"},
                 "constant": {"kind": "step", "scale": "s", "height": 1},
                 "at-once": {"kind": "step", "scale": "s", "height": 1, "at": "1e-9 * T"},
                 "later": {"kind": "step", "scale": "s", "height": 1, "at": "T / 20"}
             },
-            "elements": {"B1": {"kind": "summer", "in": {"x1": ["fed", "sine", "told", "constant", "at-once", "later"]}}},
+            "elements": {"B1": {"kind": "summer", "in": {"x1": ["fed", "sine", "told", "noted", "constant", "at-once", "later"]}}},
             "run": {"for": 1, "step": 0.01}}"#;
         let patch = Patch::parse("drives.json", text).unwrap_or_else(|report| panic!("{report}"));
-        assert_eq!(begun_anew(&patch, |name| name == "fed").collect::<Vec<_>>(), ["sine", "later"]);
+        let anew: Vec<_> = begun_anew(&patch, |name| name == "fed").collect();
+        assert_eq!(anew, ["sine", "noted", "later"]);
+        let of = |wanted| courses(&patch).filter(move |(_, own)| *own == wanted).map(|(name, _)| name);
+        assert_eq!(of(Course::Constant).collect::<Vec<_>>(), ["constant", "at-once"]);
+        assert_eq!(of(Course::Told).collect::<Vec<_>>(), ["told"]);
     }
 }

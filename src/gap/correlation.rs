@@ -114,9 +114,16 @@ impl Tracks<'_> {
 /// So many lags are looked at beside none, at most.
 const MOST_LAGS: usize = 64;
 
+/// The record with the most samples, whatever the order; of several the slowest.
+fn longest<'t, 'r>(tracks: &'t [Tracks<'r>]) -> Option<&'t Tracks<'r>> {
+    tracks
+        .iter()
+        .max_by(|a, b| a.left.len().cmp(&b.left.len()).then_with(|| a.interval.total_cmp(&b.interval)))
+}
+
 /// The lags that are looked at, in seconds: evenly over those of the longest record that are looked at for colour.
 fn lags_of(tracks: &[Tracks<'_>]) -> Vec<f64> {
-    let Some(longest) = tracks.iter().max_by_key(|own| own.left.len()) else { return Vec::new() };
+    let Some(longest) = longest(tracks) else { return Vec::new() };
     let last = lags(longest.left.len());
     (0..=last).step_by(last.div_ceil(MOST_LAGS).max(1)).map(|lag| lag as f64 * longest.interval).collect()
 }
@@ -125,9 +132,9 @@ fn lags_of(tracks: &[Tracks<'_>]) -> Vec<f64> {
 /// size at any lag. Lags within what the pairs remember are one, and so are samples.
 fn chance(tracks: &[Tracks<'_>]) -> f64 {
     let (lags, memory) = (lags_of(tracks), memory(tracks));
-    let Some((first, longest)) = tracks.first().zip(lags.last()) else { return 1.0 };
-    let tried = 2.0 * (lags.len() as f64).min(1.0 + longest / (first.interval * memory));
-    let pairs: usize = tracks.iter().map(|own| own.pairs(*longest).count()).sum();
+    let Some((longest, last)) = longest(tracks).zip(lags.last()) else { return 1.0 };
+    let tried = 2.0 * (lags.len() as f64).min(1.0 + last / (longest.interval * memory));
+    let pairs: usize = tracks.iter().map(|own| own.pairs(*last).count()).sum();
     let freedom = (pairs as f64 / memory - 2.0).max(0.0);
     let deviations = deviations(MISSED / tried);
     deviations / (deviations * deviations + freedom).sqrt()
@@ -231,6 +238,23 @@ mod tests {
             let beyond = (0..400).filter(is_beyond).count();
             assert!(expected.contains(&beyond), "{samples} samples: {beyond} of 400");
         }
+    }
+
+    #[test]
+    fn what_chance_brings_does_not_go_by_the_order_of_records() {
+        let told = |records: [(u64, usize, f64); 2]| {
+            let noise =
+                records.map(|(seed, samples, _)| [normal(seed, samples), normal(1000 + seed, samples)]);
+            let tracks = noise.iter().zip(records).map(|([left, with], (_, _, interval))| Tracks {
+                left,
+                with: with.clone(),
+                interval,
+            });
+            chance(&tracks.collect::<Vec<_>>())
+        };
+        let (few, many) = ((1, 400, 1.0), (2, 40_000, 0.01));
+        let [one, other] = [told([few, many]), told([many, few])];
+        assert!((one - other).abs() < 1e-12, "{one} {other}");
     }
 
     /// Noise that remembers for so many samples.

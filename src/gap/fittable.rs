@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use super::clock::RECORD_START;
 use crate::patch::fields::Findings;
 use crate::patch::{Amount, Code, Diagnostic, Formula, Parameter, Patch, Placed, suggestion};
 
@@ -49,6 +50,9 @@ fn unknown(name: &Placed<String>, patch: &Patch, fittable: &[&str]) -> Diagnosti
 /// Why a parameter cannot be fitted, and what to do about it.
 fn why_not(name: &str, parameter: &Parameter, read: &HashSet<&str>) -> Option<(String, &'static str)> {
     match parameter.range {
+        _ if name == RECORD_START => {
+            Some((format!("{name} is when a record begins, which every record tells"), "leave it out"))
+        }
         None => {
             let message = format!("the parameter {name} has no range within which to look for it");
             Some((message, "give it one in the patch: \"range\": [least, largest]"))
@@ -78,4 +82,22 @@ fn names_read<'p>(patch: &'p Patch, fed: &dyn Fn(&str) -> bool) -> HashSet<&'p s
         .chain(of_scales.map(|formula| &formula.value))
         .chain(of_instances.map(|setting| &setting.value.value));
     formulas.flat_map(Formula::names).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn when_a_record_begins_is_not_fitted() {
+        let file = "tests/gap/clock.json";
+        let text = std::fs::read_to_string(file).unwrap();
+        let patch = Patch::parse(file, &text).unwrap_or_else(|report| panic!("{report}"));
+        let mut findings = Findings::new();
+        let fit = to_fit(&patch, &|name| name == "F", None, &mut findings);
+        assert_eq!((fit, findings.len()), (vec!["M".to_owned(), "f".to_owned()], 0));
+        let asked = [Placed { value: RECORD_START.to_owned(), span: patch.parameters["f"].span }];
+        to_fit(&patch, &|_| false, Some(&asked), &mut findings);
+        assert_eq!(findings[0].message, "record_start is when a record begins, which every record tells");
+    }
 }

@@ -1,4 +1,4 @@
-//! The records that are held back: only the voltages with which integrators begin are found there.
+//! The records that are held back: only the voltages with which integrators begin are found there, and declared offsets.
 
 use super::begun::Begun;
 use super::effort::{Effort, Starts};
@@ -18,8 +18,8 @@ const LOST: f64 = 1.5;
 const VOLTS: [f64; 10] = [-80.0, -30.0, -10.0, -3.0, -1.0, 1.0, 3.0, 10.0, 30.0, 80.0];
 
 impl Problem {
-    /// The same knobs on the records that are held back: only initial voltages are found there, from where the patch stands and from
-    /// where another fit came to.
+    /// The same knobs on the records that are held back: only initial voltages and declared offsets are found there, from where the
+    /// patch stands and from where another fit came to.
     pub(super) fn held(
         &self,
         version: &Version,

@@ -4,8 +4,9 @@ use nalgebra::DVector;
 
 use super::fit::{NUDGE, Reached, Task};
 use super::model::{Course, ModelError};
-use super::normal::{Column, Normal, Spread, product};
+use super::normal::{Column, Normal, Spread, product_there};
 use super::problem::Problem;
+use super::record::Record;
 use super::score::{in_blocks, together};
 use super::stage::Stage;
 use super::statistics::student_95;
@@ -221,12 +222,13 @@ impl Task<'_> {
         let pull = |part: &[f64]| {
             let mut pull = DVector::zeros(count);
             for (index, column) in columns {
-                pull[*index] = product(&column[first..], part, part);
+                pull[*index] = product_there(&column[first..], part, part);
             }
             first += part.len();
             pull
         };
-        in_blocks(residual, self.records.len()).map(pull).collect()
+        let samples = self.records.iter().map(Record::len).sum();
+        in_blocks(residual, samples).map(pull).collect()
     }
 
     fn spread(&self, normal: &Normal) -> Spread {

@@ -30,9 +30,9 @@ impl Normal {
     /// Adds the residuals of an output.
     pub(super) fn add(&mut self, columns: &[Column], residual: &[f64]) {
         for (place, (index, column)) in columns.iter().enumerate() {
-            self.gradient[*index] += product(column, residual, residual);
+            self.gradient[*index] += product_there(column, residual, residual);
             for (other, beside) in &columns[..=place] {
-                let sum = product(column, beside, residual);
+                let sum = product_there(column, beside, residual);
                 self.matrix[(*index, *other)] += sum;
                 if index != other {
                     self.matrix[(*other, *index)] += sum;
@@ -152,7 +152,7 @@ impl Spread {
 }
 
 /// The sum of products where there are data.
-pub(super) fn product(left: &[f64], right: &[f64], data: &[f64]) -> f64 {
+pub(super) fn product_there(left: &[f64], right: &[f64], data: &[f64]) -> f64 {
     let mut sum = 0.0;
     for ((left, right), datum) in left.iter().zip(right).zip(data) {
         if !datum.is_nan() {

@@ -241,11 +241,6 @@ impl Outcome {
         self.effects.iter().find(brings).map_or_else(|| "the patch".to_owned(), Candidate::named)
     }
 
-    /// The stage that is told of: the last one where something is named, else the patch as it was.
-    pub fn told(&self) -> &Stage {
-        if self.verdict.has_names() { &self.last } else { &self.base }
-    }
-
     /// The verdict in words.
     pub fn sentence(&self) -> String {
         let taken = self.rounds.iter().filter(|round| round.taken);
@@ -319,11 +314,6 @@ impl Outcome {
         format!(
             "; {train} % of the gap is left, and {test} % on the data held back, which is no noise: the law may be another"
         )
-    }
-
-    /// The force that closes the gap best, where something is missing that has no name.
-    pub(super) fn unnamed(&self) -> Option<&Whereabouts> {
-        self.whereabouts.first().filter(|_| self.verdict == Verdict::UnknownEffect)
     }
 
     /// The report as a JSON document.
@@ -458,15 +448,6 @@ impl Round {
             ),
             (false, _) => format!("{score}; but {held}, which is no evidence. None is taken."),
         }
-    }
-
-    /// The best of the trials that the data cannot tell from the best of all.
-    pub fn rival(&self) -> Option<&Trial> {
-        self.rival_place().map(|place| &self.trials[place])
-    }
-
-    pub(super) fn rival_place(&self) -> Option<usize> {
-        (1..self.trials.len()).find(|place| self.is_tied(&self.trials[*place]))
     }
 }
 

@@ -159,13 +159,15 @@ impl Trial {
 }
 
 impl Round {
-    /// Judges the trials again with a better fit of the one that was taken; what is best then, if it still is to be taken.
+    /// Judges the trials again with a better fit of the one that was taken; what is best then, if it is to be gone on from still: what
+    /// was taken is not, where it would but promise.
     pub(super) fn refit(&mut self, taken: Stage) -> Option<Trial> {
         let mut tried: Vec<(Candidate, Stage)> =
             self.trials.iter().map(|trial| (trial.candidate.clone(), trial.stage.clone())).collect();
         tried.first_mut()?.1 = taken;
         let again = Round::of(&self.before, self.beside.clone(), tried);
-        let best = again.is_gone_on_from().then(|| again.trials[0].clone())?;
+        let goes_on = again.taken || (self.promising && again.promising);
+        let best = goes_on.then(|| again.trials[0].clone())?;
         *self = Round { left_out: mem::take(&mut self.left_out), ..again };
         Some(best)
     }
@@ -197,6 +199,15 @@ impl Round {
     pub fn closes_enough(&self) -> bool {
         let leaves_noise = self.trials.first().is_some_and(|best| !best.stage.leaves_structure());
         self.beside.is_empty() || leaves_noise || self.closed() > LEAST_CLOSED
+    }
+
+    /// The best of the trials that the data cannot tell from the best of all.
+    pub fn rival(&self) -> Option<&Trial> {
+        self.rival_place().map(|place| &self.trials[place])
+    }
+
+    pub(super) fn rival_place(&self) -> Option<usize> {
+        (1..self.trials.len()).find(|place| self.is_tied(&self.trials[*place]))
     }
 
     /// Trials on a stage, judged.
@@ -409,6 +420,23 @@ mod tests {
         let of = |test: [f64; 2]| beside(&like.0.aliases[0], test, 100.0);
         assert_eq!(of([28.0, 5.0]), ("overflow".to_owned(), 1));
         assert_eq!(of([24.0, 5.0]), ("rich".to_owned(), 2));
+    }
+
+    #[test]
+    fn what_was_taken_is_not_gone_on_from_where_a_better_fit_only_promises() {
+        let like = any();
+        let (_, before) = trial(&like, "", 2, 100.0, [100.0; 2]);
+        let refit = |test: [f64; 2], better: [f64; 2]| {
+            let of = |train, test| trial(&like, "a", 3, train, test);
+            let mut round = Round::of(&before, Vec::new(), vec![of(9.0, test)]);
+            let was = (round.taken, round.promising);
+            (was, round.refit(of(8.9, better).1).map(|_| (round.taken, round.promising)))
+        };
+        let (taken, promising) = ((true, false), (false, true));
+        assert_eq!(refit([0.0, 110.0], [0.0, 109.0]), (taken, Some(taken)));
+        assert_eq!(refit([0.0, 110.0], [0.0, 122.0]), (taken, None));
+        assert_eq!(refit([0.0, 122.0], [0.0, 121.0]), (promising, Some(promising)));
+        assert_eq!(refit([0.0, 122.0], [0.0, 110.0]), (promising, Some(taken)));
     }
 
     #[test]

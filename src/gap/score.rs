@@ -76,11 +76,15 @@ pub struct Advantage {
 }
 
 impl Advantage {
-    /// What blocks come to.
-    fn of(blocks: &[f64]) -> Advantage {
-        let (count, sum, mean) = (blocks.len() as f64, blocks.iter().sum::<f64>(), mean(blocks));
-        let spread: f64 = blocks.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
-        Advantage { sum, error: (spread * count).sqrt(), freedom: blocks.len().saturating_sub(1) }
+    /// What blocks come to: the spread is that about what each would hold, were all of it even over the data.
+    fn of(blocks: &[Block]) -> Advantage {
+        let mut all = Block::default();
+        blocks.iter().for_each(|own| all += *own);
+        let count = blocks.len() as f64;
+        let even = all.sum / all.data.max(1.0);
+        let spread: f64 = blocks.iter().map(|own| (own.sum - even * own.data).powi(2)).sum::<f64>()
+            / (count - 1.0).max(1.0);
+        Advantage { sum: all.sum, error: (spread * count).sqrt(), freedom: blocks.len().saturating_sub(1) }
     }
 
     /// Both over different data.
@@ -103,21 +107,43 @@ impl Advantage {
     }
 }
 
-/// So many blocks the records are cut into, together: at least one of each, and none of less than a sample.
+/// What the data of a block hold.
+#[derive(Debug, Clone, Copy, Default)]
+struct Block {
+    sum: f64,
+    /// How many these are.
+    data: f64,
+}
+
+impl FromIterator<f64> for Block {
+    fn from_iter<T: IntoIterator<Item = f64>>(values: T) -> Block {
+        let both = |all: Block, own| Block { sum: all.sum + own, data: all.data + 1.0 };
+        values.into_iter().fold(Block::default(), both)
+    }
+}
+
+impl AddAssign for Block {
+    fn add_assign(&mut self, other: Block) {
+        *self = Block { sum: self.sum + other.sum, data: self.data + other.data };
+    }
+}
+
+/// So many blocks the records are cut into, together, as long as one another as far as whole ones go: at least one of each record,
+/// and none of less than a sample.
 const BLOCKS: usize = 20;
 
 /// The squares of one fit less those of another, over the same data.
 pub fn advantage(worse: &Fitted, better: &Fitted) -> Advantage {
-    let count = worse.residuals.len();
+    let samples = samples(&worse.residuals);
     let differ = |(before, after): (&[f64], &[f64])| {
         let pairs = before.iter().zip(after).filter(|(a, b)| !a.is_nan() && !b.is_nan());
-        pairs.map(|(a, b)| a * a - b * b).sum::<f64>()
+        pairs.map(|(a, b)| a * a - b * b).collect::<Block>()
     };
     let records = worse.residuals.iter().zip(&better.residuals);
     let blocks = records.flat_map(|(before, after)| {
         let outputs = before.iter().zip(after);
         let outputs = outputs.map(|(before, after)| {
-            in_blocks(before, count).zip(in_blocks(after, count)).map(differ).collect()
+            in_blocks(before, samples).zip(in_blocks(after, samples)).map(differ).collect()
         });
         together(outputs)
     });
@@ -127,18 +153,24 @@ pub fn advantage(worse: &Fitted, better: &Fitted) -> Advantage {
 /// The advantage to be expected of a fit that leaves noise of such a variance over one that leaves these differences as well: by
 /// record, of every output.
 pub fn expected(differences: &[Vec<&[f64]>], noise: f64) -> Advantage {
-    let square = |block: &[f64]| block.iter().map(|own| own * own).sum::<f64>();
+    let samples = samples(differences);
+    let square = |block: &[f64]| block.iter().map(|own| own * own).collect::<Block>();
     let blocks = differences.iter().flat_map(|outputs| {
-        let count = differences.len();
-        together(outputs.iter().map(|track| in_blocks(track, count).map(square).collect()))
+        together(outputs.iter().map(|track| in_blocks(track, samples).map(square).collect()))
     });
     let shape = Advantage::of(&blocks.collect::<Vec<_>>());
     Advantage { error: shape.error.hypot(2.0 * (noise * shape.sum).sqrt()), ..shape }
 }
 
-/// A track of one of so many records in the blocks that are compared.
-pub(super) fn in_blocks(track: &[f64], records: usize) -> impl Iterator<Item = &[f64]> {
-    track.chunks(track.len().div_ceil(BLOCKS.div_ceil(records)).max(1))
+/// How many samples the tracks of records have, together: by record, of every output.
+fn samples<T: AsRef<[f64]>>(records: &[Vec<T>]) -> usize {
+    records.iter().filter_map(|outputs| outputs.first()).map(|track| track.as_ref().len()).sum()
+}
+
+/// A track of records that have so many samples, together, in the blocks that are compared.
+pub(super) fn in_blocks(track: &[f64], samples: usize) -> impl Iterator<Item = &[f64]> {
+    let blocks = (BLOCKS * track.len()).div_ceil(samples.max(1)).max(1);
+    track.chunks(track.len().div_ceil(blocks).max(1))
 }
 
 /// The blocks of a record: what its outputs hold at the same time is one, as what happens there shows in all of them.
@@ -180,6 +212,26 @@ pub(super) mod tests {
         let tracks = [track.as_slice(), &track];
         let [alone, both] = [vec![tracks[0]], tracks.to_vec()].map(|own| expected(&[own], 0.0).ratio());
         assert!((both - alone).abs() < 1e-9, "{both} {alone}");
+    }
+
+    #[test]
+    fn what_is_even_over_the_data_is_no_chance_however_long_records_are() {
+        let records = |value: f64| -> Vec<Vec<Vec<f64>>> {
+            [10_000, 100, 100, 37].into_iter().map(|length| vec![vec![value; length]]).collect()
+        };
+        let even = advantage(&fitted(records(2.0)), &fitted(records(1.0)));
+        assert!((even.sum - 3.0 * 10_237.0).abs() < 1e-6 && even.error < 1e-6, "{even:?}");
+        let tracks = records(1.0);
+        let tracks: Vec<Vec<&[f64]>> = tracks.iter().map(|own| vec![own[0].as_slice()]).collect();
+        assert!(expected(&tracks, 0.0).error < 1e-6);
+        // One record more of what makes no difference: evidence does not grow by it.
+        let noisy = |seed| normal(seed, 10_000);
+        let short = vec![vec![0.0; 100]];
+        let [alone, beside] = [vec![], vec![short; 5]].map(|others: Vec<Vec<Vec<f64>>>| {
+            let with = |seed| fitted([vec![vec![noisy(seed)]], others.clone()].concat());
+            advantage(&with(1), &with(2)).ratio().abs()
+        });
+        assert!((alone - beside).abs() < 0.25 * alone, "{alone} {beside}");
     }
 
     #[test]

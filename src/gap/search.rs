@@ -100,6 +100,16 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// The stage that is told of: the last one where something is named, else the patch as it was.
+    pub fn told(&self) -> &Stage {
+        if self.verdict.has_names() { &self.last } else { &self.base }
+    }
+
+    /// The force that closes the gap best, where something is missing that has no name.
+    pub(super) fn unnamed(&self) -> Option<&Whereabouts> {
+        self.whereabouts.first().filter(|_| self.verdict == Verdict::UnknownEffect)
+    }
+
     /// Whether more is left than a law of another shape mostly leaves, and that is no noise.
     pub fn leaves_much(&self) -> bool {
         leaves_much(&self.last, self.left)

@@ -65,7 +65,7 @@ pub struct Stage {
     pub version: Version,
     /// The best fit to the training records.
     pub train: Fitted,
-    /// The same knobs on the other records: initial voltages are found there.
+    /// The same knobs on the other records: initial voltages and declared offsets are found there.
     pub test: Fitted,
     /// How far what is left in training is from white: [`colour`].
     pub colour: f64,
@@ -213,7 +213,7 @@ pub(super) struct Seen {
 
 /// From where a stage is fitted.
 #[derive(Debug, Clone)]
-struct From<'a> {
+struct Beginning<'a> {
     /// Points for the records whole.
     starts: Starts,
     /// Points for their pieces, where those are fitted first.
@@ -225,10 +225,10 @@ struct From<'a> {
     effort: Effort,
 }
 
-impl From<'_> {
+impl Beginning<'_> {
     fn points(others: Vec<Point>) -> Self {
         let starts = Starts { others, ..Starts::default() };
-        From { starts, in_pieces: None, held: None, seen: Seen::default(), effort: Effort::FULL }
+        Beginning { starts, in_pieces: None, held: None, seen: Seen::default(), effort: Effort::FULL }
     }
 }
 
@@ -253,7 +253,7 @@ impl Problem {
     ///
     /// # Errors
     /// When the patch cannot be run beside the records at all.
-    fn stage(&self, version: Version, from: From<'_>, wanted: f64) -> Result<Option<Stage>, ModelError> {
+    fn stage(&self, version: Version, from: Beginning<'_>, wanted: f64) -> Result<Option<Stage>, ModelError> {
         let mut seen = from.seen;
         let pieces = from.in_pieces.map(|own| self.in_pieces(&version, &own, from.effort, &mut seen.pieces));
         let in_pieces = pieces.transpose()?.flatten();
@@ -365,7 +365,7 @@ impl Problem {
         let points = [first.clone()].into_iter().chain(scattered(&model, &first, seed));
         let settled = points.filter_map(|point| task.settled(&point));
         let starts: Vec<Point> = settled.chain([first.clone()]).collect();
-        let from = From::points(starts);
+        let from = Beginning::points(starts);
         let Some(mut stage) = self.stage(version, from, f64::INFINITY)? else { return Ok(None) };
         if !self.is_cut && stage.is_far() {
             stage = self.over_pieces(stage)?;
@@ -390,10 +390,10 @@ impl Problem {
         let model = self.model(&stage.version, &self.pieces, &self.outputs)?;
         let first = Point { knobs: stage.train.point.knobs.clone(), ..Point::of(&model, self.outputs.len()) };
         let Some(settled) = self.task(&model, &self.pieces, true).settled(&first) else { return Ok(stage) };
-        let from = From {
+        let from = Beginning {
             in_pieces: Some(Starts { sure: vec![settled], ..Starts::default() }),
             held: Some(&stage.test.point.initial),
-            ..From::points(vec![stage.train.point.clone()])
+            ..Beginning::points(vec![stage.train.point.clone()])
         };
         let again = self.stage(stage.version.clone(), from, f64::INFINITY)?;
         Ok(again.filter(|again| again.train.chi2 < stage.train.chi2).unwrap_or(stage))
@@ -429,7 +429,7 @@ impl Problem {
         version: Version,
         start: Point,
     ) -> Result<Option<Stage>, ModelError> {
-        let from = From { held: Some(&stage.test.point.initial), ..From::points(vec![start]) };
+        let from = Beginning { held: Some(&stage.test.point.initial), ..Beginning::points(vec![start]) };
         let again = self.stage(version, from, f64::INFINITY)?;
         Ok(again.map(|again| Stage { in_pieces: stage.in_pieces.clone(), ..again }))
     }
@@ -502,7 +502,7 @@ impl Problem {
                 others: candidate.starts.iter().map(with).chain(beside).collect(),
             }
         };
-        let from = From {
+        let from = Beginning {
             starts: begun(&stage.train.point, asked.before.map(|before| &before.train.point)),
             in_pieces: stage
                 .in_pieces

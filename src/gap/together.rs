@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::clock::{begun_anew, constants};
+use super::clock::{Course, RECORD_START, begun_anew, courses};
 use super::document::{Clock, Document, DriveWire, Held, Hold, OutputWire, Source, Wire};
 use super::experiment::{Experiment, Feed, LEAST_SAMPLES, Output};
 use super::fittable::to_fit;
@@ -81,10 +81,11 @@ impl<'a> Bringing<'a> {
         let outputs: Vec<_> = document.outputs.iter().map(|output| self.output(output, found)).collect();
         // Data are looked at even where the patch is wrong.
         let ([train, test], seconds) = self.records(&drives, &outputs);
-        let pieces = document.pieces.as_ref().map(|pieces| pieces.value * seconds);
+        let pieces = document.pieces.as_ref().zip(seconds).map(|(pieces, seconds)| pieces.value * seconds);
         self.check_pieces(pieces, &train, &test);
         let subject = subject?;
-        self.check_fed(subject.patch(), [&train, &test], pieces);
+        self.check_fed(subject.patch(), [&train, &test]);
+        self.check_clock(subject.patch());
         let fit =
             to_fit(subject.patch(), &|name| document.feeds(name), document.fit.as_deref(), self.findings);
         self.check_fitted(&fit);
@@ -132,8 +133,12 @@ impl<'a> Bringing<'a> {
         self.findings.extend(found);
     }
 
-    /// What is trained on, and what is tested on; and how many seconds the unit of their times has.
-    fn records(&mut self, drives: &[Option<Feed>], outputs: &[Option<Output>]) -> ([Vec<Record>; 2], f64) {
+    /// What is trained on, and what is tested on; and how many seconds the unit of their times has, where it is one.
+    fn records(
+        &mut self,
+        drives: &[Option<Feed>],
+        outputs: &[Option<Output>],
+    ) -> ([Vec<Record>; 2], Option<f64>) {
         let document = self.document;
         let of_drives = drives.iter().map(|feed| feed.as_ref().map(|feed| &feed.unit));
         let of_outputs = outputs.iter().map(|output| output.as_ref().map(|output| &output.unit));
@@ -150,7 +155,24 @@ impl<'a> Bringing<'a> {
             let of_use = taken.iter().filter(|taken| taken.part.used == used);
             of_use.map(|taken| Record::cut(&taken.read.measured, taken.part.places.clone(), &holds)).collect()
         });
-        (records, trained.first().map_or(1.0, |read| read.seconds))
+        (records, self.seconds(trained.iter().chain(&tested)))
+    }
+
+    /// How many seconds the unit of the times of files has; pieces of files whose units differ are refused.
+    fn seconds<'r>(&mut self, mut reads: impl Iterator<Item = &'r Read<'r>>) -> Option<f64> {
+        let first = reads.next()?;
+        let other = reads.find(|read| read.seconds != first.seconds);
+        if let Some((pieces, other)) = self.document.pieces.as_ref().zip(other) {
+            let [unit, others] = [first, other].map(|read| told(read.seconds));
+            let message = format!(
+                "\"pieces\" are told in the unit of the times, which is {unit} s in {} and {others} s in {}",
+                first.measured.name, other.measured.name
+            );
+            let finding = Diagnostic::at(Code::UnitMismatch, pieces.span, message);
+            self.findings.push(finding.hint("write the times of all files in one unit"));
+            return None;
+        }
+        Some(first.seconds)
     }
 
     /// Tells of ranges that go on where the data have ended.
@@ -192,13 +214,13 @@ impl<'a> Bringing<'a> {
 
     /// Tells of drives that move as the patch has them, which begin with every record; where one begins later than they do, they
     /// would be wrong.
-    fn check_fed(&mut self, patch: &Patch, records: [&[Record]; 2], pieces: Option<f64>) {
+    fn check_fed(&mut self, patch: &Patch, records: [&[Record]; 2]) {
         let document = self.document;
         let own: Vec<&str> = begun_anew(patch, |name| document.feeds(name)).collect();
         let Some(named) = document.patch.as_ref().filter(|_| !own.is_empty()) else { return };
         let own = own.join(", ");
         let later = records.into_iter().flatten().find(|record| record.since > 0.0);
-        let later = match pieces {
+        let later = match document.pieces {
             Some(_) => Some("a piece".to_owned()),
             None => later.map(|record| format!("what {} has from {} s on", record.name, told(record.begin))),
         };
@@ -213,13 +235,23 @@ impl<'a> Bringing<'a> {
         self.findings.push(Diagnostic::at(code, named.span, message));
     }
 
+    /// Tells where the patch has the start of a record in another unit than a search sets it in.
+    fn check_clock(&mut self, patch: &Patch) {
+        let start = patch.parameters.get(RECORD_START).filter(|start| start.unit.text() != "s");
+        let Some((named, start)) = self.document.patch.as_ref().zip(start) else { return };
+        let message =
+            format!("a search sets {RECORD_START} in s, and the patch has it in {}", start.unit.text());
+        let finding = Diagnostic::at(Code::UnitMismatch, named.span, message);
+        self.findings.push(finding.hint("give it the unit \"s\" in the patch"));
+    }
+
     /// Tells where nothing drives the patch although it has drives.
     fn check_still(&mut self, patch: &Patch) {
         let document = self.document;
-        let drives: Vec<&str> = constants(patch).collect();
-        let moves = !document.drives.is_empty() || begun_anew(patch, |_| false).next().is_some();
-        let is_still = !moves && !drives.is_empty();
+        let stand = courses(patch).all(|(_, course)| course == Course::Constant);
+        let is_still = document.drives.is_empty() && !patch.drives.is_empty() && stand;
         let Some(named) = document.patch.as_ref().filter(|_| is_still) else { return };
+        let drives: Vec<&str> = patch.drives.keys().map(String::as_str).collect();
         let message = format!("no column feeds {} of the patch: nothing moves there", drives.join(", "));
         self.findings.push(Diagnostic::at(Code::UnfedDrives, named.span, message));
     }

@@ -56,6 +56,13 @@ fn what_is_wrong_with_an_effect_is_told_of_its_own_file() {
         ("0.5 + 5000 * k3 * position^3 / sum / G", "0.5 + k4 + k3", "this form cannot be wired"),
         ("0.5 + 5000 * k3 * position^3 / sum / G", "0.5", "no element and no drive of this form has k3 in"),
         ("10000 * abs(k3)", "10000 * abs(k4)", "worked out from k4, which the form has not"),
+        (
+            "\"at\": \"motion\",",
+            "\"at\": \"motion\", \"parameters\": [\"k3\", \"k3\"],",
+            "this form has the parameter k3 twice",
+        ),
+        ("\"k3\": {", "\"own\": {", "the parameter own has the name of a quantity of every form"),
+        ("\"k3\": {", "\"G\": {", "the parameter G has the name of a gain or drive of this form"),
         ("\"none\": 0", "\"none\": 20", "no effect at 20, outside the range -10 ... 10"),
         ("[-1, -0.05, 0.3]", "\"hihgest\"", "\"hihgest\" is none of spectrum, highest, lowest"),
         ("[-1, -0.05, 0.3]", "\"spectrum\"", "gives frequencies, and the reach is sum / position^3"),

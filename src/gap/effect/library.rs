@@ -119,7 +119,7 @@ impl Library {
         &self.notes
     }
 
-    /// Every effect, in the order of their names.
+    /// Every effect: those of the program, then those of a folder that it has not, either in the order of their names.
     pub fn iter(&self) -> impl Iterator<Item = &Effect> {
         self.effects.values()
     }

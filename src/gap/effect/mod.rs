@@ -12,6 +12,7 @@ use crate::patch::{Formula, Unit};
 
 pub use library::{EffectError, Library};
 pub use page::Page;
+pub(super) use read::has_name;
 
 /// A physical effect as a fragment that can be wired into a patch: one file of `patches/effects`.
 #[derive(Debug, Clone)]

@@ -6,11 +6,12 @@ use indexmap::IndexMap;
 use serde_json::{Map, Value};
 
 use super::{Attachment, Effect, EffectParameter, Form, Gives, Reads, Start};
+use crate::gap::clock::RECORD_START;
 use crate::gap::reach::{NAMES, of_tens};
 use crate::patch::fields::{Fields, Findings, list, number, word, words, wrong_type};
 use crate::patch::tree::{self, Content, Node};
 use crate::patch::{
-    Code, Diagnostic, DocumentKind, Formula, Placed, Report, Span, formula_at, suggestion, unit_of,
+    Code, Diagnostic, DocumentKind, Formula, Placed, Report, Span, formula_at, same_name, suggestion, unit_of,
 };
 
 /// The version of the format that this program reads.
@@ -59,6 +60,9 @@ fn effect(root: &Node, name: String, findings: &mut Findings) -> Option<Effect> 
     let (mut parameters, mut declared) = (IndexMap::new(), Vec::new());
     fields.each("parameters", findings, |entry, findings| {
         declared.push(entry.key.as_str());
+        if NAMES.into_iter().chain(OF_EVERY_FORM).any(|own| own == entry.key) {
+            findings.push(same_name(&entry.key, entry.key_span, "parameter", "quantity of every form"));
+        }
         if declared.len() == MOST_PARAMETERS + 1 {
             let message = format!("an effect has {MOST_PARAMETERS} parameters at most");
             findings.push(Diagnostic::at(Code::BadNumber, entry.value.span, message));
@@ -140,6 +144,9 @@ fn check_size(reach: &Formula, span: Span, findings: &mut Findings) {
     };
     findings.push(Diagnostic::at(Code::BadNumber, span, message).hint(hint));
 }
+
+/// Names that formulas of every form have, beside those of what is largest.
+const OF_EVERY_FORM: [&str; 2] = ["time_scale", RECORD_START];
 
 /// An effect has no more parameters than this: ranges are gone through corner by corner.
 const MOST_PARAMETERS: usize = 12;
@@ -258,6 +265,7 @@ fn form(
     let gains = gains.into_iter().map(|(name, gain)| (name, gain.value)).collect();
     let form =
         Form { note, at: at?, signal, reads, gives, times, gains, drives, elements, free, parameters: own };
+    check_apart(&form, node, findings);
     check_used(&form, node, findings);
     check_measures(&form, parameters, findings);
     check_gains(&form, &gains_told, findings);
@@ -276,10 +284,18 @@ fn times_of(node: &Node, findings: &mut Findings) -> Option<f64> {
     Some(value)
 }
 
+/// What formulas of a form name is one thing.
+fn check_apart(form: &Form, node: &Node, findings: &mut Findings) {
+    let is_taken = |name: &&String| form.gains.contains_key(*name) || form.drives.contains_key(*name);
+    for name in form.parameters.iter().filter(is_taken) {
+        findings.push(same_name(name, opening(node), "parameter", "gain or drive of this form"));
+    }
+}
+
 /// Every parameter of a form has to stand in what it wires: of others no data could tell.
 fn check_used(form: &Form, node: &Node, findings: &mut Findings) {
     let entries = || form.elements.values().chain(form.drives.values());
-    for unused in form.parameters.iter().filter(|name| !entries().any(|entry| names(entry, name))) {
+    for unused in form.parameters.iter().filter(|name| !entries().any(|entry| has_name(entry, name))) {
         let message = format!("no element and no drive of this form has {unused} in a formula");
         let hint = "leave it out of the form's \"parameters\", or use it";
         findings.push(Diagnostic::at(Code::UnknownName, opening(node), message).hint(hint));
@@ -287,12 +303,12 @@ fn check_used(form: &Form, node: &Node, findings: &mut Findings) {
 }
 
 /// Whether anything but the note of an entry has a name among its words.
-fn names(entry: &Value, name: &str) -> bool {
+pub(in crate::gap) fn has_name(entry: &Value, name: &str) -> bool {
     let is_apart = |letter: char| !letter.is_alphanumeric() && letter != '_';
     match entry {
         Value::String(text) => text.split(is_apart).any(|word| word == name),
-        Value::Array(all) => all.iter().any(|own| names(own, name)),
-        Value::Object(all) => all.iter().any(|(key, own)| key != "note" && names(own, name)),
+        Value::Array(all) => all.iter().any(|own| has_name(own, name)),
+        Value::Object(all) => all.iter().any(|(key, own)| key != "note" && has_name(own, name)),
         _ => false,
     }
 }
@@ -354,6 +370,13 @@ fn known(names: Vec<Placed<String>>, parameters: &[&str], findings: &mut Finding
         let message = format!("the effect has no parameter {}", name.value);
         let hint = suggestion(&name.value, parameters);
         findings.push(Diagnostic::at(Code::UnknownName, name.span, message).maybe_hint(hint));
+    }
+    for (place, name) in names.iter().enumerate() {
+        if names[..place].iter().any(|before| before.value == name.value) {
+            let message = format!("this form has the parameter {} twice", name.value);
+            let finding = Diagnostic::at(Code::DuplicateName, name.span, message);
+            findings.push(finding.hint("name it once"));
+        }
     }
     names.into_iter().map(|name| name.value).collect()
 }

@@ -31,7 +31,7 @@ impl Tried<'_> {
         let home = none.unwrap_or(0.0);
         let ends: Vec<f64> = match none {
             Some(none) => brought.range.into_iter().filter(|end| *end != none).collect(),
-            None => vec![brought.range[1]],
+            None => vec![farther(brought.range)],
         };
         let most = ends.iter().map(|end| (end - home).abs()).fold(0.0, f64::max);
         let seen: Vec<f64> = ends.iter().filter_map(|end| self.on_one_side(home, *end)).collect();
@@ -44,7 +44,9 @@ impl Tried<'_> {
     fn on_one_side(&self, home: f64, end: f64) -> Option<f64> {
         let candidate = self.candidate;
         // Where no effect lies outside the range, the weakest is that at its beginning.
-        let weakest = candidate.none.map_or(candidate.graft.parameters[0].range[0] / end, |_| 0.0);
+        let [low, high] = candidate.graft.parameters[0].range;
+        let nearer = if end == low { high } else { low };
+        let weakest = candidate.none.map_or((nearer / end).max(0.0), |_| 0.0);
         let stronger = STRENGTHS.into_iter().filter(|share| *share > weakest);
         let shares: Vec<f64> =
             Some(weakest).filter(|share| *share > 0.0).into_iter().chain(stronger).collect();
@@ -93,6 +95,11 @@ impl Tried<'_> {
     }
 }
 
+/// The end of a range that lies farther from zero; of two as far the upper.
+fn farther([low, high]: [f64; 2]) -> f64 {
+    if low.abs() > high.abs() { low } else { high }
+}
+
 /// A share of the way to the end of a range, and the margin there.
 type Margin = (f64, f64);
 
@@ -133,6 +140,11 @@ mod tests {
         assert_eq!(steep(&[(0.1, 0.0), (0.2, 0.1), (0.4, 9.0)]), Some([(0.2, 0.1), (0.4, 9.0)]));
         assert_eq!(steep(&[(0.1, 0.0), (0.2, 16.0)]), Some([(0.1, 0.0), (0.2, 16.0)]));
         assert_eq!(steep(&[(0.1, 16.0)]), None);
+    }
+
+    #[test]
+    fn a_range_is_gone_through_away_from_zero() {
+        assert_eq!([[1.0, 4.0], [-100.0, 0.0], [-1.0, 1.0]].map(farther), [4.0, -100.0, 1.0]);
     }
 
     #[test]
