@@ -114,16 +114,28 @@ pub enum Hold {
     Linear,
     /// It stays at the one before: what a sampled controller puts out.
     Previous,
+    /// It goes on smoothly, on the curve through six samples: what swings and was sampled at few places.
+    Smooth,
 }
 
 impl Hold {
     /// Every way, by the word for it.
-    pub const ALL: [(&str, Hold); 2] = [("linear", Hold::Linear), ("previous", Hold::Previous)];
+    pub const ALL: [(&str, Hold); 3] =
+        [("linear", Hold::Linear), ("previous", Hold::Previous), ("smooth", Hold::Smooth)];
 
     /// The word for it.
     pub fn as_str(self) -> &'static str {
         match self {
             Hold::Linear => "linear",
+            Hold::Previous => "previous",
+            Hold::Smooth => "smooth",
+        }
+    }
+
+    /// How a table holds the points that stand for it.
+    pub(super) fn of_table(self) -> &'static str {
+        match self {
+            Hold::Linear | Hold::Smooth => "linear",
             Hold::Previous => "previous",
         }
     }

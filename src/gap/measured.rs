@@ -116,7 +116,7 @@ impl Reading<'_> {
         let seconds = self.seconds(&rows, findings);
         let is_right = self.convert(&mut rows, findings);
         let grid = self.grid(&rows, seconds?).map_err(|finding| findings.push(finding)).ok()?;
-        findings.extend(self.gaps(&grid.places, &rows.lines));
+        findings.extend(self.gaps(&grid, &rows.lines, seconds?));
         rows.columns.drain(..self.clock_columns());
         let measured = Measured {
             name: self.name(),
@@ -356,25 +356,36 @@ impl Reading<'_> {
         Diagnostic::at(Code::UnevenSampling, self.source.file.span, message)
     }
 
-    /// Tells the rows that are missing.
-    fn gaps(&self, places: &[usize], lines: &[usize]) -> Option<Diagnostic> {
-        let gap = |row: usize| places[row] - places[row - 1] - 1;
-        let missing: usize = (1..places.len()).map(gap).sum();
-        let widest = (1..places.len()).max_by_key(|row| (gap(*row), usize::MAX - row))?;
+    /// Tells the rows that are missing where the file is of interest.
+    fn gaps(&self, grid: &Grid, lines: &[usize], seconds: f64) -> Option<Diagnostic> {
+        let gap = |row: &usize| grid.places[*row] - grid.places[row - 1] - 1;
+        // What lies round a gap is all of interest, or the gap is of none.
+        let is_within = |row: &usize| {
+            let time = |place: f64| (grid.begin + place * grid.interval) / seconds;
+            let [from, to] = [grid.places[row - 1] as f64 + 0.5, grid.places[*row] as f64 - 0.5].map(time);
+            self.source.range.as_ref().is_none_or(|range| range.value.0 < from && to < range.value.1)
+        };
+        let gaps: Vec<usize> = (1..grid.places.len()).filter(|row| gap(row) > 0 && is_within(row)).collect();
+        let missing: usize = gaps.iter().map(gap).sum();
+        let widest = *gaps.iter().max_by_key(|row| (gap(row), usize::MAX - **row))?;
         let message = || {
-            let gaps = (1..places.len()).filter(|row| gap(*row) > 0).count();
             format!(
                 "{} missing in {}, in {}; most of them ({}) in front of line {}: drives go on there from what stands before",
                 if missing == 1 { "1 row is".to_owned() } else { format!("{missing} rows are") },
                 self.path.display(),
-                plural(gaps, "place"),
-                gap(widest),
+                plural(gaps.len(), "place"),
+                gap(&widest),
                 lines[widest]
             )
         };
-        (missing > 0).then(|| Diagnostic::at(Code::SamplingGap, self.source.file.span, message()))
+        let finding = Diagnostic::at(Code::SamplingGap, self.source.file.span, message());
+        Some(if gap(&widest) < HOLE { finding } else { finding.hint(AS_RECORDS) })
     }
 }
+
+/// Through so many rows that are missing no drive is believed to go as it is made up.
+const HOLE: usize = 10;
+const AS_RECORDS: &str = "list what lies before and behind as two records of this file, each with its \"range\": what drives do in between is made up otherwise, and may look like a force";
 
 /// "1 row", "2 rows".
 pub(super) fn plural(number: usize, noun: &str) -> String {

@@ -8,6 +8,7 @@
 
 pub mod attached;
 mod begun;
+mod between;
 pub mod beyond;
 pub mod blind;
 pub mod candidate;

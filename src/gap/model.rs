@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::between::points;
 use super::clock::RECORD_START;
 use super::experiment::Feed;
 use super::graft::own_name;
@@ -326,8 +327,8 @@ pub(super) fn begun(patch: &Patch, free: &[String], initial: &[f64]) -> Result<P
 pub(super) fn with_tables(patch: &Patch, drives: &[Feed]) -> Result<Patch, EditError> {
     let edits = drives.iter().map(|feed| {
         let scale = patch.value()["drives"][&feed.drive]["scale"].clone();
-        let hold = feed.hold.as_str();
-        let table = json!({"kind": "table", "scale": scale, "points": [[0, 0]], "hold": hold});
+        let table =
+            json!({"kind": "table", "scale": scale, "points": [[0, 0]], "hold": feed.hold.of_table()});
         Edit { path: vec!["drives".to_owned(), feed.drive.clone()], value: table }
     });
     patch.edited(patch.file(), &edits.collect::<Vec<_>>())
@@ -337,9 +338,7 @@ pub(super) fn with_tables(patch: &Patch, drives: &[Feed]) -> Result<Patch, EditE
 fn fed(program: &Program, record: &Record, drives: &[Feed]) -> Result<Program, ModelError> {
     let mut own = program.clone();
     for (feed, values) in drives.iter().zip(&record.drives) {
-        let points =
-            values.iter().enumerate().map(|(sample, value)| [sample as f64 * record.interval, *value]);
-        solve::feed(&mut own, &feed.drive, points.collect())?;
+        solve::feed(&mut own, &feed.drive, points(values, record.interval, feed.hold))?;
     }
     if own.parameter(RECORD_START).is_some() {
         preset(&mut own, &[(RECORD_START, record.since)])?;

@@ -20,7 +20,7 @@ pub struct Record {
     /// How far a sample was taken off its even time at most, in intervals.
     pub jitter: f64,
     /// The samples of every drive, in the unit of its scale. Where rows are missing, straight from the sample before to the
-    /// one behind, or as the one before, as the drive is held.
+    /// one behind, or as the one before where the drive is held so.
     pub drives: Vec<Vec<f64>>,
     /// The samples of every output, in the unit of its signal; NaN where a row is missing.
     pub outputs: Vec<Vec<f64>>,
@@ -118,7 +118,7 @@ fn fill(samples: &mut [f64], hold: Hold) {
         for (steps, sample) in samples[from..to].iter_mut().enumerate().skip(1) {
             let share = steps as f64 / (to - from) as f64;
             *sample = match hold {
-                Hold::Linear => before + share * (behind - before),
+                Hold::Linear | Hold::Smooth => before + share * (behind - before),
                 Hold::Previous => before,
             };
         }

@@ -140,7 +140,12 @@ impl Outcome {
     fn more_is_left(&self) -> Option<String> {
         let is_told = !self.verdict.has_names() || self.leaves_much();
         let is_more = self.last.leaves_structure() && self.last.train.over_noise() > 1.0;
+        // What is noise of the drives, or lies between their samples, is nothing that is missing.
+        let of_drives = self.last.not_white.get().and_then(Option::as_ref).filter(|own| own.is_of_drives());
         (!is_told && is_more).then(|| {
+            if let Some(own) = of_drives {
+                return format!("Beside what is named {}.", own.sentence());
+            }
             let [train, test] = [&self.last.train, &self.last.test].map(|fitted| number(fitted.over_noise()));
             format!(
                 "What is left, {train} times the noise in training and {test} on the data held back, is no noise: something smaller is missing beside what is named, or its law is another."

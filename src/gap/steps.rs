@@ -113,6 +113,13 @@ impl Problem {
         Ok(courses.into_iter().collect())
     }
 
+    /// By how much a stage's training records differ at most as two problems run them, rms over the noise.
+    pub(super) fn differs_from(&self, other: &Problem, stage: &Stage) -> Result<f64, ModelError> {
+        let (version, point) = (&stage.version, &stage.train.point);
+        let [one, other] = [self, other].map(|own| own.stepped(version, point, version.steps));
+        Ok(self.error(one?.as_deref(), other?.as_deref()))
+    }
+
     /// By how much two runs differ at most in an output of a record, rms over the noise; infinite where there is but one.
     fn error(&self, coarse: Option<&[Course]>, fine: Option<&[Course]>) -> f64 {
         let Some((coarse, fine)) = coarse.zip(fine) else { return f64::INFINITY };

@@ -217,7 +217,9 @@ impl<'a> Bringing<'a> {
     fn check_fed(&mut self, patch: &Patch, records: [&[Record]; 2]) {
         let document = self.document;
         let own: Vec<&str> = begun_anew(patch, |name| document.feeds(name)).collect();
-        let Some(named) = document.patch.as_ref().filter(|_| !own.is_empty()) else { return };
+        // A drive that the patch has not is one by a wrong name.
+        let is_told = document.drives.iter().all(|drive| patch.drives.contains_key(&drive.wire.name.value));
+        let Some(named) = document.patch.as_ref().filter(|_| !own.is_empty() && is_told) else { return };
         let own = own.join(", ");
         let later = records.into_iter().flatten().find(|record| record.since > 0.0);
         let later = match document.pieces {

@@ -10,6 +10,7 @@ use super::fit::{Fitted, Task};
 use super::model::ModelError;
 use super::problem::Problem;
 use super::record::Record;
+use super::score::there;
 use super::stage::Stage;
 use super::statistics::mean;
 use crate::instruments::number;
@@ -48,35 +49,49 @@ impl SlowNoise {
     }
 }
 
-/// What is left although it is no more than noise brings: of the output of which that is most.
+/// What is left although nothing is missing: of the output of which that is most.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NotWhite {
     /// The output.
     pub output: String,
     /// What is left of it, rms over its noise.
     pub left: f64,
-    /// What noise of the drives brings of that,
-    pub brought: f64,
-    /// and which drives have any.
-    pub drives: Vec<String>,
+    /// What brings it.
+    pub cause: Cause,
+}
+
+/// What brings residuals that are not white although nothing is missing.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cause {
+    /// Noise of the output itself.
+    Own,
+    /// Noise of these drives, which brings so much on average, rms over the noise of the output.
+    Drives(Vec<String>, f64),
+    /// Straight lines between the samples of these drives: where they go on smoothly so much is left, rms over the noise.
+    Between(Vec<String>, f64),
 }
 
 impl NotWhite {
-    /// Whether it is noise of the drives that brings it, rather than less than the noise of the output.
+    /// Whether it is how drives were measured that brings it, rather than less than the noise of the output.
     pub fn is_of_drives(&self) -> bool {
-        self.left > 1.0
+        self.cause != Cause::Own
     }
 
     /// The same in words.
     pub fn sentence(&self) -> String {
-        let Self { output, .. } = self;
-        let [left, brought] = [self.left, self.brought].map(number);
-        match self.is_of_drives() {
-            true => format!(
-                "what is left of {output}, {left} times its noise, is what noise of {} may bring, {brought} times on average: measure that better, or tell its \"sigma\", which is 0 of what is set and not measured",
-                self.drives.join(", ")
+        let (output, left) = (&self.output, number(self.left));
+        match &self.cause {
+            Cause::Drives(drives, brought) => format!(
+                "what is left of {output}, {left} times its noise, is no more than noise of {} may bring, {} times: measure that better, or tell its \"sigma\", which is 0 of what is set and not measured",
+                drives.join(", "),
+                number((1.0 + BROUGHT * brought * brought).sqrt())
             ),
-            false => format!(
+            Cause::Between(drives, smooth) => format!(
+                "what is left of {output}, {left} times its noise, is what straight lines between the samples of {} bring: going on smoothly it leaves {} times; write \"hold\": \"smooth\" if that is how it went, or take samples closer together",
+                drives.join(", "),
+                number(*smooth)
+            ),
+            Cause::Own => format!(
                 "what is left of {output} is no more than its noise, {left} times, but not white: that noise is slow, or less than that, which its \"sigma\" would tell"
             ),
         }
@@ -88,8 +103,8 @@ impl NotWhite {
 const LIKELIER: f64 = 60.0;
 
 impl Problem {
-    /// That a stage leaves structure, but no more of any output than noise brings, its own and that of the drives; nothing where
-    /// it leaves more, or no structure.
+    /// That a stage leaves structure, but no more of any output than noise brings, its own and that of the drives, or what these do
+    /// between samples; nothing where it leaves more, or no structure.
     ///
     /// # Errors
     /// When the patch cannot be run beside the records.
@@ -100,23 +115,59 @@ impl Problem {
         if let Some(known) = stage.not_white.get() {
             return Ok(known.clone());
         }
-        let found = self.drawn_against(stage, threads)?;
+        let found = match self.between(stage)? {
+            None => self.drawn_against(stage, threads)?,
+            between => between,
+        };
         Ok(stage.not_white.get_or_init(|| found).clone())
     }
 
-    /// The same, found by draws.
-    fn drawn_against(&self, stage: &Stage, threads: usize) -> Result<Option<NotWhite>, ModelError> {
-        let left = |output| over_sigma(&stage.train, output).powi(2);
-        let brought = self.brought_by_drives(stage, threads)?;
-        let is_noise = |output: usize| left(output) <= 1.0 + BROUGHT * brought[output];
-        let most = (0..brought.len()).max_by(|a, b| left(*a).total_cmp(&left(*b)));
-        let own = most.filter(|_| (0..brought.len()).all(is_noise)).map(|output| NotWhite {
+    /// That of drives that go on smoothly between samples.
+    fn between(&self, stage: &Stage) -> Result<Option<NotWhite>, ModelError> {
+        let Some((smooth, drives)) = self.smoothed(stage)? else { return Ok(None) };
+        let own = self.loudest(stage).map(|output| NotWhite {
             output: self.outputs[output].clone(),
             left: over_sigma(&stage.train, output),
-            brought: brought[output].sqrt(),
-            drives: self.noisy_drives().map(|feed| feed.drive.clone()).collect(),
+            cause: Cause::Between(drives, over_sigma(&smooth.train, output)),
         });
         Ok(own)
+    }
+
+    /// That of noise, found by draws.
+    fn drawn_against(&self, stage: &Stage, threads: usize) -> Result<Option<NotWhite>, ModelError> {
+        let left = |output| over_sigma(&stage.train, output);
+        let brought = self.brought_by_drives(stage, threads)?;
+        // A patch that runs away from the data makes any noise large.
+        let is_close = |output: usize| left(output) <= self.moves(output).max(1.0);
+        let is_noise =
+            |output: usize| left(output).powi(2) <= 1.0 + BROUGHT * brought[output] && is_close(output);
+        let drives = || self.noisy_drives().map(|feed| feed.drive.clone()).collect();
+        let cause = |output: usize| match left(output) > 1.0 {
+            true => Cause::Drives(drives(), brought[output].sqrt()),
+            false => Cause::Own,
+        };
+        let own = self.loudest(stage).filter(|_| (0..brought.len()).all(is_noise)).map(|output| NotWhite {
+            output: self.outputs[output].clone(),
+            left: left(output),
+            cause: cause(output),
+        });
+        Ok(own)
+    }
+
+    /// How far an output goes about its mean in the training records, rms over its noise.
+    fn moves(&self, output: usize) -> f64 {
+        let squares = self.train.iter().flat_map(|record| {
+            let there = there(&record.outputs[output]);
+            let mean = mean(&there);
+            there.into_iter().map(move |value| (value - mean).powi(2))
+        });
+        mean(&squares.collect::<Vec<_>>()).sqrt() / self.sigma[output]
+    }
+
+    /// The output of which most is left.
+    fn loudest(&self, stage: &Stage) -> Option<usize> {
+        let left = |output: &usize| over_sigma(&stage.train, *output);
+        (0..self.outputs.len()).max_by(|a, b| left(a).total_cmp(&left(b)))
     }
 
     /// The drives whose columns have noise.

@@ -149,6 +149,12 @@ fn rows_may_be_missing() {
     assert_eq!((train.len(), train.missing(), made.warnings.warnings()), (60, 3, 1));
     assert!(train.outputs[0][10..13].iter().all(|sample| sample.is_nan()));
     assert!((train.drives[0][11] - 0.11).abs() < 1e-12, "straight between its neighbours");
+    // Those that no range holds are nobody's loss.
+    put(&folder, "hole.csv", &table((0..120).filter(|row| !(60..63).contains(row)), 0.1));
+    let parts = [[0.0, 5.9], [6.3, 11.9]].map(|range| json!({"data": "hole.csv", "range": range}));
+    let made = read(&folder, &json!({"data": parts}));
+    assert_eq!(made.warnings.to_string(), "");
+    assert_eq!(made.train.iter().map(Record::missing).sum::<usize>(), 0);
 }
 
 #[test]

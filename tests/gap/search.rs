@@ -18,7 +18,7 @@ fn read(path: &Path) -> Experiment {
     Experiment::read(path).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn outcome(experiment: &Experiment, problem: &Problem, threads: usize) -> Outcome {
+pub fn outcome(experiment: &Experiment, problem: &Problem, threads: usize) -> Outcome {
     let library = Library::shipped();
     let with = Means { library: &library, threads, seed: 1 };
     problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap()

@@ -1,0 +1,87 @@
+//! What fed drives do between their samples: straight lines through what is round bring what looks like a force.
+
+use super::document::Hold;
+use super::experiment::Feed;
+use super::model::ModelError;
+use super::problem::Problem;
+use super::stage::Stage;
+
+/// A drive that goes on smoothly is told at so many places from sample to sample.
+const PARTS: usize = 8;
+/// It goes through so many samples at once.
+const THROUGH: usize = 6;
+
+/// The table of a drive that was sampled every `interval` seconds: times in seconds, values in its unit.
+pub(super) fn points(values: &[f64], interval: f64, hold: Hold) -> Vec<[f64; 2]> {
+    let parts = if hold == Hold::Smooth && values.len() >= THROUGH { PARTS } else { 1 };
+    let count = values.len().saturating_sub(1) * parts + 1;
+    let point = |place: usize| {
+        let (sample, part) = (place / parts, place % parts);
+        let value =
+            if part == 0 { values[sample] } else { smooth(values, sample, part as f64 / parts as f64) };
+        [place as f64 / parts as f64 * interval, value]
+    };
+    (0..count.min(values.len() * parts)).map(point).collect()
+}
+
+/// A share of the way from a sample to the next: on the curve of fifth degree through the three on either side (Lagrange), at the ends
+/// through the first six or the last. A sine of angular frequency w, sampled every h seconds, is missed by 5/1024 (w h)^6 of itself at most.
+fn smooth(values: &[f64], sample: usize, share: f64) -> f64 {
+    let first = sample.saturating_sub(THROUGH / 2 - 1).min(values.len() - THROUGH);
+    let at = (sample - first) as f64 + share;
+    let weight = |own: usize| {
+        let others = (0..THROUGH).filter(|other| *other != own);
+        others.map(|other| (at - other as f64) / (own as f64 - other as f64)).product::<f64>()
+    };
+    (0..THROUGH).map(|own| weight(own) * values[first + own]).sum()
+}
+
+impl Problem {
+    /// A stage that leaves structure fitted again with its fed drives going on smoothly, where straight lines are drawn between their
+    /// samples, with the names of these; nothing where that still leaves structure, or can make no such difference.
+    ///
+    /// # Errors
+    /// When the patch cannot be run beside the records.
+    pub(super) fn smoothed(&self, stage: &Stage) -> Result<Option<(Stage, Vec<String>)>, ModelError> {
+        let is_straight = |feed: &&Feed| feed.hold == Hold::Linear;
+        let names: Vec<String> =
+            self.drives.iter().filter(is_straight).map(|feed| feed.drive.clone()).collect();
+        if names.is_empty() {
+            return Ok(None);
+        }
+        let smooth = |feed: &Feed| match feed.hold {
+            Hold::Linear => Feed { hold: Hold::Smooth, ..feed.clone() },
+            Hold::Smooth | Hold::Previous => feed.clone(),
+        };
+        let smoothly = Problem { drives: self.drives.iter().map(smooth).collect(), ..self.clone() };
+        // What is fitted again only takes of the difference away.
+        if self.differs_from(&smoothly, stage)? < stage.gap() {
+            return Ok(None);
+        }
+        let again = smoothly.again(stage, stage.version.clone(), stage.train.point.clone())?;
+        Ok(again.filter(|own| !own.leaves_structure()).map(|own| (own, names)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn smooth_drives_go_through_their_samples_and_follow_what_bends() {
+        let bent = |t: f64| 1.0 - 2.0 * t + 0.5 * t * t - 0.1 * t.powi(5);
+        let values: Vec<f64> = (0..7).map(|k| bent(0.5 * f64::from(k))).collect();
+        let smooth = points(&values, 0.5, Hold::Smooth);
+        assert_eq!((smooth.len(), smooth[0], smooth[48][0]), (49, [0.0, 1.0], 3.0));
+        assert!(smooth.iter().all(|[t, value]| (value - bent(*t)).abs() < 1e-11));
+        let turn = |k: u32| (0.5 * f64::from(k)).sin();
+        let sine = points(&(0..40).map(turn).collect::<Vec<_>>(), 1.0, Hold::Smooth);
+        let missed =
+            sine[16..296].iter().map(|[t, value]| (value - (0.5 * t).sin()).abs()).fold(0.0, f64::max);
+        assert!((0.5..1.0).contains(&(missed / (5.0 / 1024.0 * 0.5_f64.powi(6)))), "{missed}");
+        let straight = points(&values, 0.5, Hold::Linear);
+        assert!(straight.iter().zip(&values).all(|([_, told], value)| told == value) && straight.len() == 7);
+        assert_eq!(points(&[1.0, 2.0, 4.0], 1.0, Hold::Smooth), [[0.0, 1.0], [1.0, 2.0], [2.0, 4.0]]);
+        assert!(points(&[], 1.0, Hold::Smooth).is_empty());
+    }
+}
