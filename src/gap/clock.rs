@@ -19,7 +19,7 @@ pub(super) fn is_told_the_start(drive: &Value) -> bool {
 
 /// How a drive goes by the clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Course {
+pub(super) enum Going {
     /// It stands from the beginning.
     Constant,
     /// It moves, and every run begins it anew.
@@ -29,7 +29,7 @@ pub(super) enum Course {
 }
 
 /// The drives of a patch, and how each goes; a step at the beginning is a constant.
-pub(super) fn courses(patch: &Patch) -> impl Iterator<Item = (&str, Course)> {
+pub(super) fn goings(patch: &Patch) -> impl Iterator<Item = (&str, Going)> {
     let seconds = |at: &Value| match at.as_str() {
         Some(text) => Formula::parse(text).ok()?.evaluate(Circuit::new(patch, &[]).ok()?.quantities()).ok(),
         None => at.as_f64(),
@@ -37,12 +37,12 @@ pub(super) fn courses(patch: &Patch) -> impl Iterator<Item = (&str, Course)> {
     let is_at_once = move |at: &Value| seconds(at).is_some_and(|at| at <= AT_ONCE);
     patch.drives.iter().map(move |(name, own)| {
         let drive = &patch.value()["drives"][name.as_str()];
-        let course = match own.kind.name {
-            _ if is_told_the_start(drive) => Course::Told,
-            "step" if drive.get("at").is_none_or(&is_at_once) => Course::Constant,
-            _ => Course::Anew,
+        let going = match own.kind.name {
+            _ if is_told_the_start(drive) => Going::Told,
+            "step" if drive.get("at").is_none_or(&is_at_once) => Going::Constant,
+            _ => Going::Anew,
         };
-        (name.as_str(), course)
+        (name.as_str(), going)
     })
 }
 
@@ -51,7 +51,7 @@ pub(super) fn begun_anew<'p>(
     patch: &'p Patch,
     is_fed: impl Fn(&str) -> bool + 'p,
 ) -> impl Iterator<Item = &'p str> {
-    let own = courses(patch).filter(move |(name, course)| *course == Course::Anew && !is_fed(name));
+    let own = goings(patch).filter(move |(name, going)| *going == Going::Anew && !is_fed(name));
     own.map(|(name, _)| name)
 }
 
@@ -78,8 +78,8 @@ mod tests {
         let patch = Patch::parse("drives.json", text).unwrap_or_else(|report| panic!("{report}"));
         let anew: Vec<_> = begun_anew(&patch, |name| name == "fed").collect();
         assert_eq!(anew, ["sine", "noted", "later"]);
-        let of = |wanted| courses(&patch).filter(move |(_, own)| *own == wanted).map(|(name, _)| name);
-        assert_eq!(of(Course::Constant).collect::<Vec<_>>(), ["constant", "at-once"]);
-        assert_eq!(of(Course::Told).collect::<Vec<_>>(), ["told"]);
+        let of = |wanted| goings(&patch).filter(move |(_, own)| *own == wanted).map(|(name, _)| name);
+        assert_eq!(of(Going::Constant).collect::<Vec<_>>(), ["constant", "at-once"]);
+        assert_eq!(of(Going::Told).collect::<Vec<_>>(), ["told"]);
     }
 }

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::clock::{Course, RECORD_START, begun_anew, courses};
+use super::clock::{Going, RECORD_START, begun_anew, goings};
 use super::document::{Clock, Document, DriveWire, Held, Hold, OutputWire, Source, Wire};
 use super::experiment::{Experiment, Feed, LEAST_SAMPLES, Output};
 use super::fittable::to_fit;
@@ -250,7 +250,7 @@ impl<'a> Bringing<'a> {
     /// Tells where nothing drives the patch although it has drives.
     fn check_still(&mut self, patch: &Patch) {
         let document = self.document;
-        let stand = courses(patch).all(|(_, course)| course == Course::Constant);
+        let stand = goings(patch).all(|(_, going)| going == Going::Constant);
         let is_still = document.drives.is_empty() && !patch.drives.is_empty() && stand;
         let Some(named) = document.patch.as_ref().filter(|_| is_still) else { return };
         let drives: Vec<&str> = patch.drives.keys().map(String::as_str).collect();
