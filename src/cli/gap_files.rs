@@ -53,15 +53,10 @@ impl<'f> Folder<'f> {
         }
     }
 
-    /// The report that an earlier search left; nothing where there is none.
-    fn report(&self) -> Value {
-        let report = fs::read_to_string(self.folder.join(REPORT)).unwrap_or_default();
-        serde_json::from_str(&report).unwrap_or_default()
-    }
-
     /// The names of the files that an earlier search left, by its report.
     fn earlier(&self) -> Vec<String> {
-        let report = self.report();
+        let text = fs::read_to_string(self.folder.join(REPORT)).unwrap_or_default();
+        let report: Value = serde_json::from_str(&text).unwrap_or_default();
         if !report["verdict"].is_string() {
             return Vec::new();
         }

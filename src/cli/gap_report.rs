@@ -42,7 +42,7 @@ fn parameters(outcome: &Outcome) -> Table {
     let stage = outcome.told();
     let mut table = Table::new(["fitted", "value", "standard error", "95 %", "unit", "of"]);
     for (place, name) in stage.version.fit.iter().enumerate() {
-        let value = number(stage.train.point.knobs[place]);
+        let value = stage.number_told(place);
         let (error, interval) = (stage.error_told(place), stage.interval_told(place));
         table.row([name.clone(), value, error, interval, stage.unit(place).to_owned(), outcome.owner(name)]);
     }
@@ -99,7 +99,7 @@ pub(super) fn weakest(found: &[Limit], heading: &str) -> String {
     for limit in best_places(found) {
         let from = limit.told().unwrap_or_else(|| "not at all".to_owned());
         let (effect, at, parameter) = (limit.effect.clone(), limit.junction.clone(), limit.parameter.clone());
-        table.row([effect, at, parameter, from, limit.beside()]);
+        table.row([effect, at, parameter, from, limit.beside.told()]);
     }
     table.text()
 }

@@ -1,5 +1,6 @@
 //! What fed drives do between their samples: straight lines through what is round bring what looks like a force.
 
+use super::directions::product;
 use super::document::Hold;
 use super::experiment::Feed;
 use super::model::ModelError;
@@ -13,27 +14,33 @@ const THROUGH: usize = 6;
 
 /// The table of a drive that was sampled every `interval` seconds: times in seconds, values in its unit.
 pub(super) fn points(values: &[f64], interval: f64, hold: Hold) -> Vec<[f64; 2]> {
-    let parts = if hold == Hold::Smooth && values.len() >= THROUGH { PARTS } else { 1 };
-    let count = values.len().saturating_sub(1) * parts + 1;
-    let point = |place: usize| {
-        let (sample, part) = (place / parts, place % parts);
-        let value =
-            if part == 0 { values[sample] } else { smooth(values, sample, part as f64 / parts as f64) };
-        [place as f64 / parts as f64 * interval, value]
-    };
-    (0..count.min(values.len() * parts)).map(point).collect()
+    match hold == Hold::Smooth && values.len() >= THROUGH {
+        true => smooth(values, interval),
+        false => {
+            values.iter().enumerate().map(|(sample, value)| [sample as f64 * interval, *value]).collect()
+        }
+    }
 }
 
-/// A share of the way from a sample to the next: on the curve of fifth degree through the three on either side (Lagrange), at the ends
-/// through the first six or the last. A sine of angular frequency w, sampled every h seconds, is missed by 5/1024 (w h)^6 of itself at most.
-fn smooth(values: &[f64], sample: usize, share: f64) -> f64 {
-    let first = sample.saturating_sub(THROUGH / 2 - 1).min(values.len() - THROUGH);
-    let at = (sample - first) as f64 + share;
-    let weight = |own: usize| {
-        let others = (0..THROUGH).filter(|other| *other != own);
-        others.map(|other| (at - other as f64) / (own as f64 - other as f64)).product::<f64>()
+/// From sample to sample the curve of fifth degree through the three on either side (Lagrange), at the ends through the first six or
+/// the last. A sine of angular frequency w, sampled every h seconds, is missed by 5/1024 (w h)^6 of itself at most.
+fn smooth(values: &[f64], interval: f64) -> Vec<[f64; 2]> {
+    let weights: Vec<_> =
+        (0..=(THROUGH - 1) * PARTS).map(|place| weights(place as f64 / PARTS as f64)).collect();
+    let point = |place: usize| {
+        let first = (place / PARTS).saturating_sub(THROUGH / 2 - 1).min(values.len() - THROUGH);
+        let value = product(&weights[place - first * PARTS], &values[first..first + THROUGH]);
+        [place as f64 / PARTS as f64 * interval, value]
     };
-    (0..THROUGH).map(|own| weight(own) * values[first + own]).sum()
+    (0..=(values.len() - 1) * PARTS).map(point).collect()
+}
+
+/// What each of six samples counts, so many samples behind the first of them.
+fn weights(at: f64) -> [f64; THROUGH] {
+    std::array::from_fn(|own| {
+        let others = (0..THROUGH).filter(|other| *other != own);
+        others.map(|other| (at - other as f64) / (own as f64 - other as f64)).product()
+    })
 }
 
 impl Problem {

@@ -6,7 +6,7 @@ use super::model::ModelError;
 use super::problem::Problem;
 use super::record::Record;
 use super::round::Round;
-use super::score::{colour, there};
+use super::score::{about_mean, colour};
 use super::stage::{COLOURED, Stage};
 use super::statistics::mean;
 use super::turned::Turned;
@@ -142,9 +142,7 @@ impl Problem {
     /// Whether the training data look like noise about a constant; few look like that that are none.
     pub(super) fn is_noise_alone(&self) -> bool {
         let over_noise = |(track, sigma): (&Vec<f64>, &f64)| {
-            let there = there(track);
-            let about = mean(&there);
-            there.iter().map(|own| (own - about) / sigma).collect::<Vec<f64>>()
+            about_mean(track).into_iter().map(|own| own / sigma).collect::<Vec<f64>>()
         };
         let of = |record: &Record| record.outputs.iter().zip(&self.sigma).map(over_noise).collect();
         let all: Vec<Vec<Vec<f64>>> = self.train.iter().map(of).collect();

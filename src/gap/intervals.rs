@@ -46,18 +46,23 @@ impl Known {
 
     /// Its interval in words: from where to where, or "anything".
     pub fn interval_told(&self) -> String {
-        if !self.error.is_finite() {
-            return "anything".to_owned();
+        let [low, high] = self.interval;
+        match self.error.is_finite() {
+            true => format!("{} ... {}", self.number(low), self.number(high)),
+            false => "anything".to_owned(),
         }
+    }
+
+    /// A number in or about its interval, with as many digits as tell the ends of that apart.
+    pub fn number(&self, value: f64) -> String {
         let [low, high] = self.interval;
         let width = high - low;
         match number(low) == number(high) && width > 0.0 {
-            // With as many digits as tell the ends apart.
             true => {
                 let digits = (1.0 - width.log10().floor()).clamp(0.0, 15.0) as usize;
-                format!("{low:.digits$} ... {high:.digits$}")
+                format!("{value:.digits$}")
             }
-            false => format!("{} ... {}", number(low), number(high)),
+            false => number(value),
         }
     }
 }
@@ -314,11 +319,16 @@ mod tests {
 
     #[test]
     fn the_ends_of_an_interval_are_told_apart() {
-        let told = |low, high, error| Known { error, interval: [low, high] }.interval_told();
+        let known = |low, high, error| Known { error, interval: [low, high] };
+        let told = |low, high, error| known(low, high, error).interval_told();
         assert_eq!(told(1.5, 2.25, 0.1), "1.5 ... 2.25");
         assert_eq!(told(14.9971, 15.0028, 0.001), "14.9971 ... 15.0028");
         assert_eq!(told(0.0, 0.0, 0.0), "0 ... 0");
         assert_eq!(told(0.0, 1.0, f64::INFINITY), "anything");
+        // A value is not to lie outside of its interval as that is told.
+        assert_eq!(known(14.9971, 15.0028, 0.001).number(15.00249), "15.0025");
+        assert_eq!(known(1.5, 2.25, 0.1).number(1.87654), "1.877");
+        assert_eq!(Known::NOT.number(1.87654), "1.877");
     }
 
     /// What the sum of squares rises by at a rate, the amplitude fitted again, were the noise of 1 V.

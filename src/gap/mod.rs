@@ -34,6 +34,7 @@ mod motion;
 mod normal;
 mod overload;
 pub mod page;
+pub mod parameter_values;
 mod parts;
 pub mod peaks;
 pub mod places;

@@ -62,7 +62,7 @@ impl Outcome {
 
     fn effect(&self, own: &Candidate, round: &Round) -> String {
         let parameters = self.last.brought(own).map(|(own, value, known)| {
-            let (value, between) = (number(value), known.interval_told());
+            let (value, between) = (known.number(value), known.interval_told());
             format!("{} = {value}{} (95 %: {between})", own.name, behind(&own.unit))
         });
         let parameters: Vec<String> = parameters.collect();

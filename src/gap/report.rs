@@ -9,10 +9,11 @@ use super::blind::{Blind, LOUD, has_changed, over_sigma};
 use super::candidate::Candidate;
 use super::correlation::Correlation;
 use super::experiment::{Experiment, Output};
-use super::fit::Fitted;
+use super::fit::{Fitted, Point};
 use super::intervals::Known;
 use super::limits::{Limit, best_places};
 use super::measured::plural;
+use super::parameter_values::ParameterValues;
 use super::problem::Problem;
 use super::record::Record;
 use super::round::{LeftOut, Round, Trial};
@@ -33,10 +34,21 @@ impl Stage {
         parameter.map_or("1", |own| own.unit.text())
     }
 
+    /// The value of what is fitted at a place, with as many digits as its interval asks for.
+    pub fn number_told(&self, place: usize) -> String {
+        self.known(place).number(self.train.point.knobs[place])
+    }
+
     /// What is fitted at a place, and its value, in words.
     pub fn value_told(&self, place: usize) -> String {
-        let value = number(self.train.point.knobs[place]);
-        format!("{} = {value}{}", self.version.fit[place], behind(self.unit(place)))
+        format!("{} = {}{}", self.version.fit[place], self.number_told(place), behind(self.unit(place)))
+    }
+
+    /// What is fitted, with the values that it has at a point.
+    pub(super) fn values_at(&self, point: &Point) -> ParameterValues {
+        let each = self.version.fit.iter().zip(&point.knobs).enumerate();
+        let each = each.map(|(place, (name, value))| (name.clone(), *value, self.unit(place).to_owned()));
+        ParameterValues(each.collect())
     }
 
     /// The standard error of what is fitted at a place, in words.
@@ -93,7 +105,7 @@ impl Outcome {
     /// Which parameters of the patch stand at an end of their ranges: as it was, or beside what is named.
     fn at_ends(&self) -> Vec<String> {
         let told = |stage: &Stage, place: usize| {
-            let (name, value) = (&stage.version.fit[place], number(stage.train.point.knobs[place]));
+            let (name, value) = (&stage.version.fit[place], stage.number_told(place));
             format!("{name} at the end of its range, {value}{}", behind(stage.unit(place)))
         };
         let is_missing = self.verdict.has_names() || self.verdict == Verdict::UnknownEffect;
@@ -140,17 +152,18 @@ impl Outcome {
     fn more_is_left(&self) -> Option<String> {
         let is_told = !self.verdict.has_names() || self.leaves_much();
         let is_more = self.last.leaves_structure() && self.last.train.over_noise() > 1.0;
+        if is_told || !is_more {
+            return None;
+        }
         // What is noise of the drives, or lies between their samples, is nothing that is missing.
         let of_drives = self.last.not_white.get().and_then(Option::as_ref).filter(|own| own.is_of_drives());
-        (!is_told && is_more).then(|| {
-            if let Some(own) = of_drives {
-                return format!("Beside what is named {}.", own.sentence());
-            }
-            let [train, test] = [&self.last.train, &self.last.test].map(|fitted| number(fitted.over_noise()));
-            format!(
-                "What is left, {train} times the noise in training and {test} on the data held back, is no noise: something smaller is missing beside what is named, or its law is another."
-            )
-        })
+        if let Some(own) = of_drives {
+            return Some(format!("Beside what is named {}.", own.sentence()));
+        }
+        let [train, test] = [&self.last.train, &self.last.test].map(|fitted| number(fitted.over_noise()));
+        Some(format!(
+            "What is left, {train} times the noise in training and {test} on the data held back, is no noise: something smaller is missing beside what is named, or its law is another."
+        ))
     }
 
     /// Whether what lies beyond ranges stands in the verdict.

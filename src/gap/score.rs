@@ -10,6 +10,13 @@ pub(super) fn there(track: &[f64]) -> Vec<f64> {
     track.iter().copied().filter(|value| !value.is_nan()).collect()
 }
 
+/// The samples of a track that are not missing, less their mean.
+pub(super) fn about_mean(track: &[f64]) -> Vec<f64> {
+    let there = there(track);
+    let mean = mean(&there);
+    there.into_iter().map(|value| value - mean).collect()
+}
+
 /// Over how many samples residuals remember: 1 + 2 (sum of the autocorrelations), up to where these are lost in chance.
 pub fn memory(fitted: &Fitted) -> f64 {
     let times = fitted.residuals.iter().flatten().map(|track| there(track)).map(|track| {
@@ -187,6 +194,12 @@ pub(super) mod tests {
     use super::*;
     use crate::gap::dice::normal;
     use crate::gap::fit::Point;
+
+    #[test]
+    fn a_mean_is_that_of_the_samples_that_are_there() {
+        assert_eq!(about_mean(&[1.0, f64::NAN, 4.0, 1.0]), [-1.0, 2.0, -1.0]);
+        assert!(about_mean(&[]).is_empty());
+    }
 
     /// A fit that leaves these tracks: by record, of every output.
     pub fn fitted(residuals: Vec<Vec<Vec<f64>>>) -> Fitted {

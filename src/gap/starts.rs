@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::fit::Point;
 use super::model::{Model, ModelError};
+use super::parameter_values::ParameterValues;
 use super::problem::Problem;
 use super::stage::Stage;
 use crate::instruments::number;
@@ -26,7 +27,7 @@ pub(super) fn scattered(model: &Model, first: &Point, seed: u64) -> Vec<Point> {
 }
 
 /// Whether fits of the patch from elsewhere come to the same: if not, there may be a better one that none has come to.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Agreement {
     /// From so many other points fits were gone through with, until one came to the same.
     pub tried: usize,
@@ -36,6 +37,8 @@ pub struct Agreement {
     pub is_same: bool,
     /// Whether it is less.
     pub is_better: bool,
+    /// Where it is less: what is fitted, each with its value and its unit.
+    pub values: ParameterValues,
     /// Whether runs begin anew in each of them, as where the patch itself was fitted so first.
     pub in_pieces: bool,
 }
@@ -59,6 +62,7 @@ impl Problem {
             left: f64::INFINITY,
             is_same: false,
             is_better: false,
+            values: ParameterValues::default(),
             in_pieces: in_pieces.is_some(),
         };
         for point in scattered(&model, &first, seed.wrapping_add(1)) {
@@ -68,6 +72,9 @@ impl Problem {
             let lower = best - fitted.chi2;
             agreement.is_same = lower.abs() < SAME.max(SAME_SHARE * best);
             agreement.is_better = lower > 0.0 && !agreement.is_same;
+            if agreement.is_better {
+                agreement.values = stage.values_at(&fitted.point);
+            }
             if agreement.is_same || agreement.is_better {
                 break;
             }
@@ -91,7 +98,8 @@ impl Agreement {
             (true, 1) => "a fit from another point comes to the same".to_owned(),
             (true, tried) => format!("of {tried} fits from other points one comes to the same"),
             _ if self.is_better => format!(
-                "a fit from another point leaves less, {left} times the noise: it found what the patch was not fitted to; begin there, with values of parameters nearer to the truth, or with narrower ranges"
+                "a fit from another point leaves less, {left} times the noise, with {}: it found what the patch was not fitted to; let the parameters of the patch begin there",
+                self.values.told()
             ),
             (false, tried) if self.left.is_finite() => format!(
                 "of {tried} fits from other points none comes to the same (the best leaves {left} times the noise): there may be better ones than this; narrower ranges help to find them"
@@ -105,9 +113,29 @@ impl Agreement {
         json!({
             "same": self.is_same,
             "better": self.is_better,
+            "values": self.values.document(),
             "tried": self.tried,
             "left": self.left.is_finite().then_some(self.left),
             "in_pieces": self.in_pieces,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::gap::steps::tests::decay;
+
+    #[test]
+    fn where_a_better_fit_begins_is_told() {
+        let (patch, fit, problem) = decay(1e-3, 32);
+        let mut stage = problem.base(&patch, &fit, 1).unwrap().unwrap();
+        let same = problem.agreement(&stage, 1).unwrap();
+        assert!(same.is_same && same.document()["values"].as_object().unwrap().is_empty());
+        // As of a fit that stayed where it began.
+        stage.train.chi2 = 1e9;
+        let better = problem.agreement(&stage, 1).unwrap();
+        assert!(better.is_better && better.sentence().contains("with rate = 2: "), "{}", better.sentence());
+        let rate = better.document()["values"]["rate"]["value"].as_f64().unwrap();
+        assert!((rate - 2.0).abs() < 1e-3, "{rate}");
     }
 }

@@ -10,7 +10,7 @@ use super::fit::{Fitted, Task};
 use super::model::ModelError;
 use super::problem::Problem;
 use super::record::Record;
-use super::score::there;
+use super::score::about_mean;
 use super::stage::Stage;
 use super::statistics::mean;
 use crate::instruments::number;
@@ -160,12 +160,8 @@ impl Problem {
 
     /// How far an output goes about its mean in the training records, rms over its noise.
     fn moves(&self, output: usize) -> f64 {
-        let squares = self.train.iter().flat_map(|record| {
-            let there = there(&record.outputs[output]);
-            let mean = mean(&there);
-            there.into_iter().map(move |value| (value - mean).powi(2))
-        });
-        mean(&squares.collect::<Vec<_>>()).sqrt() / self.sigma[output]
+        let moved = self.train.iter().flat_map(|record| about_mean(&record.outputs[output]));
+        mean(&moved.map(|own| own.powi(2)).collect::<Vec<_>>()).sqrt() / self.sigma[output]
     }
 
     /// The output of which most is left.

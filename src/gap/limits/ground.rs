@@ -8,6 +8,7 @@ use crate::gap::candidate::Candidate;
 use crate::gap::directions::product;
 use crate::gap::fit::Point;
 use crate::gap::model::ModelError;
+use crate::gap::parameter_values::ParameterValues;
 use crate::gap::problem::Problem;
 use crate::gap::round::{Bar, CONFIRMED};
 use crate::gap::score::expected;
@@ -66,7 +67,9 @@ impl<'a> Ground<'a> {
             unit: brought[0].unit.clone(),
             value: least.as_ref().map(|least| least.0),
             share: least.as_ref().map_or(f64::INFINITY, |least| least.1),
-            beside: beside.map(|(own, value)| (own.of.clone(), *value, own.unit.clone())).collect(),
+            beside: ParameterValues(
+                beside.map(|(own, value)| (own.of.clone(), *value, own.unit.clone())).collect(),
+            ),
         })
     }
 
@@ -108,7 +111,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// Values of all parameters but the first, as fits begin with them; what has the unit of the first is another strength, and left
+/// ParameterValues of all parameters but the first, as fits begin with them; what has the unit of the first is another strength, and left
 /// out where it can be.
 fn variants(candidate: &Candidate) -> Vec<Vec<f64>> {
     let brought = &candidate.graft.parameters;

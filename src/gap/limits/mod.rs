@@ -10,12 +10,13 @@ mod ground;
 mod half;
 mod tried;
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use self::ground::Ground;
 use super::attached::Attached;
 use super::candidate::Candidate;
 use super::model::ModelError;
+use super::parameter_values::ParameterValues;
 use super::problem::Problem;
 use super::round::{Bar, LeftOut, Round};
 use super::search::Means;
@@ -42,8 +43,8 @@ pub struct Limit {
     pub value: Option<f64>,
     /// The same as a share of the way from no effect to the end of the range: what limits are compared by.
     pub share: f64,
-    /// What other parameters were taken to be there: name, value, unit.
-    pub beside: Vec<(String, f64, String)>,
+    /// What other parameters were taken to be there.
+    pub beside: ParameterValues,
 }
 
 /// What data could show beside a patch, before anything is sought in them.
@@ -164,13 +165,6 @@ impl Limit {
         self.value.map(|value| format!("{}{}", number(value), behind(&self.unit)))
     }
 
-    /// The other parameters with which that is so.
-    pub fn beside(&self) -> String {
-        let each = self.beside.iter();
-        let each = each.map(|(name, value, unit)| format!("{name} = {}{}", number(*value), behind(unit)));
-        each.collect::<Vec<_>>().join(", ")
-    }
-
     /// Whether the data could show the effect at all.
     pub fn is_seen(&self) -> bool {
         self.value.is_some()
@@ -185,10 +179,7 @@ impl Limit {
         if let Some(value) = self.value {
             document["value"] = json!(value);
             document["unit"] = json!(self.unit);
-            let beside = self.beside.iter();
-            let beside =
-                beside.map(|(name, value, unit)| (name.clone(), json!({"value": value, "unit": unit})));
-            document["with"] = beside.collect::<Map<_, _>>().into();
+            document["with"] = self.beside.document().into();
         }
         document
     }

@@ -6,7 +6,7 @@ use crate::gap::limits::Limit;
 pub(super) fn section(limits: &[Limit]) -> String {
     let rows = limits.iter().map(|limit| {
         let from = limit.told().unwrap_or_else(|| "not at all".to_owned());
-        let (reads, with) = (limit.reads.join(", "), limit.beside());
+        let (reads, with) = (limit.reads.join(", "), limit.beside.told());
         let cells = [&limit.effect, &limit.junction, &reads, &limit.parameter, &from, &with];
         (false, cells.map(escaped_text).to_vec())
     });

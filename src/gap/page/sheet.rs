@@ -44,7 +44,7 @@ pub(super) fn parameters(outcome: &Outcome, stage: &Stage) -> String {
     let rows = stage.version.fit.iter().enumerate().map(|(place, name)| {
         let known = stage.version.patch.parameters.get(name);
         let (unit, what) = known.map_or(("1", ""), |own| (own.unit.text(), own.description.as_str()));
-        let value = number(stage.train.point.knobs[place]);
+        let value = stage.number_told(place);
         let (error, interval) = (stage.error_told(place), stage.interval_told(place));
         (false, [name, &value, &error, &interval, unit, what, &outcome.owner(name)].map(escaped).into())
     });
