@@ -48,6 +48,7 @@ pub mod report;
 pub mod round;
 pub mod score;
 pub mod search;
+mod sentence;
 pub mod separate;
 mod settled;
 pub mod site;

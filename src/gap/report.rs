@@ -11,7 +11,7 @@ use super::correlation::Correlation;
 use super::experiment::{Experiment, Output};
 use super::fit::{Fitted, Point};
 use super::intervals::Known;
-use super::limits::{Limit, best_places};
+use super::limits::Limit;
 use super::measured::plural;
 use super::parameter_values::ParameterValues;
 use super::problem::Problem;
@@ -23,7 +23,7 @@ use super::separate::Separating;
 use super::settled::may_be_none;
 use super::stage::Stage;
 use super::way::Change;
-use super::whereabouts::{Whereabouts, nearest};
+use super::whereabouts::Whereabouts;
 use crate::instruments::number;
 use crate::patch::behind;
 
@@ -259,81 +259,6 @@ impl Outcome {
         self.effects.iter().find(brings).map_or_else(|| "the patch".to_owned(), Candidate::named)
     }
 
-    /// The verdict in words.
-    pub fn sentence(&self) -> String {
-        let taken = self.rounds.iter().filter(|round| round.taken);
-        let bests: Vec<String> = taken.clone().map(|round| round.trials[0].named()).collect();
-        // The same at the same place is another form of it.
-        let named = |trial: &Trial| match bests.iter().filter(|best| **best == trial.named()).count() {
-            0..=1 => trial.named(),
-            _ => format!("{} ({})", trial.named(), trial.candidate.note),
-        };
-        let told = |round: &Round| {
-            let both = round.trials.iter().take(1).chain(round.rival());
-            let both = both.map(named).collect::<Vec<_>>().join(" or ");
-            match round.tied {
-                0..=2 => both,
-                3 => format!("{both} (or one more)"),
-                tied => format!("{both} (or one of {} more)", tied - 2),
-            }
-        };
-        let effects: Vec<String> = taken.map(told).collect();
-        let are = if effects.len() > 1 { "are" } else { "is" };
-        let cannot_tell = match effects.len() {
-            0..=1 => "these data cannot tell",
-            _ => "these data cannot tell which, where there is an \"or\"",
-        };
-        let effects = listed(&effects);
-        match self.verdict {
-            Verdict::Named => format!("{effects} {are} missing{}", self.left_over()),
-            Verdict::Ambiguous => {
-                let would = match &self.separating {
-                    Some(own) => format!("; {}", own.sentence()),
-                    None if self.rounds.iter().any(|round| round.taken && round.rival().is_some()) => {
-                        "; no experiment was found that would: under each drive that was tried an amplifier overloads, or there is none that data feed".to_owned()
-                    }
-                    None => String::new(),
-                };
-                let beyond = self.beyond.as_ref().filter(|own| own.is_rival);
-                let beyond = beyond.map(|own| format!(", or {}", own.told())).unwrap_or_default();
-                format!("{effects} {are} missing{beyond}: {cannot_tell}{would}{}", self.left_over())
-            }
-            Verdict::NothingMissing => {
-                let least = best_places(&self.limits).into_iter().find_map(Limit::sentence);
-                let least = least.map(|least| format!("; {least}")).unwrap_or_default();
-                format!("nothing is missing that these data would show{least}")
-            }
-            Verdict::UnknownEffect => {
-                let at = nearest(&self.whereabouts).join(" or ");
-                let at = if at.is_empty() { at } else { format!(" at {at}") };
-                let unknown = format!("something is missing{at} that the library does not have");
-                match effects.as_str() {
-                    "" => unknown,
-                    effects => format!(
-                        "{unknown}: with {effects} {} % of the gap would be left, which is no noise",
-                        number(100.0 * self.left)
-                    ),
-                }
-            }
-            Verdict::CannotJudge => {
-                let why = self.blind.as_ref().map_or_else(String::new, |why| format!(": {}", why.sentence()));
-                format!("these data cannot judge{why}")
-            }
-        }
-    }
-
-    /// What is left besides what is named, where that is more than a law of another shape leaves mostly, in words.
-    fn left_over(&self) -> String {
-        if !self.leaves_much() {
-            return String::new();
-        }
-        let held = (self.last.test.unexplained() / self.base.test.unexplained()).sqrt();
-        let [train, test] = [self.left, held].map(|share| number(100.0 * share));
-        format!(
-            "; {train} % of the gap is left, and {test} % on the data held back, which is no noise: the law may be another"
-        )
-    }
-
     /// The report as a JSON document.
     pub fn document(&self, problem: &Problem) -> Value {
         let taken = self.effects.iter().zip(&self.rounds).filter(|_| self.verdict.has_names());
@@ -373,15 +298,6 @@ impl Outcome {
             "beyond": self.beyond.as_ref().map(Beyond::document),
             "where": self.whereabouts.iter().map(Whereabouts::document).collect::<Vec<_>>(),
         })
-    }
-}
-
-/// "A", "A, and B", "A, B, and C": what is listed may itself be "X or Y".
-fn listed(parts: &[String]) -> String {
-    match parts {
-        [] => String::new(),
-        [only] => only.clone(),
-        [first @ .., last] => format!("{}, and {last}", first.join(", ")),
     }
 }
 

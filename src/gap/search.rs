@@ -412,7 +412,7 @@ impl Problem {
 }
 
 /// The rounds that took something.
-fn taken(rounds: &[Round]) -> impl Iterator<Item = &Round> + Clone {
+pub(super) fn taken(rounds: &[Round]) -> impl Iterator<Item = &Round> + Clone {
     rounds.iter().filter(|round| round.taken)
 }
 
