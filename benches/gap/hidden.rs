@@ -35,16 +35,8 @@ pub struct Effect {
 }
 
 /// Shapes that the library's laws do not have.
-const SHAPES_OF_OTHERS: [&str; 8] = [
-    "Lorentzian",
-    "speed lagged over a distance",
-    "Dahl",
-    "LuGre",
-    "elastoplastic",
-    "logarithmic",
-    "restitution",
-    "weir",
-];
+const SHAPES_OF_OTHERS: [&str; 6] =
+    ["Lorentzian", "speed lagged over a distance", "Dahl", "LuGre", "elastoplastic", "restitution"];
 
 impl Truth {
     /// Whether a hidden effect has the law that the library's has.

@@ -21,7 +21,7 @@ pub enum Judgement {
     Right,
     /// One of two is named, and nothing else.
     Half,
-    /// The truth is among two.
+    /// The data cannot tell, and of what they cannot tell apart something is there, at every step.
     Among,
     /// Nothing is named: of what is missing, or where the data are said to tell nothing.
     Refused,
@@ -101,7 +101,10 @@ impl Judged {
         let effects = found.document(&problem)["effects"].as_array().cloned().unwrap_or_default();
         let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
         let named: Vec<_> = effects.iter().map(|own| (text(&own["name"]), text(&own["junction"]))).collect();
-        let judgement = judgement(&truth, &found, &named, library);
+        let steps = effects.chunk_by(|one, next| one["step"] == next["step"]);
+        let steps: Vec<Vec<String>> =
+            steps.map(|own| own.iter().map(|effect| text(&effect["name"])).collect()).collect();
+        let judgement = judgement(&truth, found.verdict, &steps, library);
         Ok(Judged {
             verdict: found.verdict.as_str().to_owned(),
             judgement,
@@ -187,25 +190,25 @@ fn are_alike(library: &Library, one: &str, other: &str) -> bool {
     has(one, other) || has(other, one)
 }
 
-fn judgement(truth: &Truth, found: &Found, named: &[(String, String)], library: &Library) -> Judgement {
-    let is_like = |(name, _): &(String, String)| {
-        truth.effects.iter().any(|own| own.name == *name || are_alike(library, name, &own.name))
-    };
-    let is_there = |(name, _): &(String, String)| truth.effects.iter().any(|own| own.name == *name);
-    let is_named = |own: &Effect| named.iter().any(|(name, _)| own.name == *name);
-    match found.verdict {
+/// What a verdict is worth that names one of these at every step.
+fn judgement(truth: &Truth, verdict: Verdict, steps: &[Vec<String>], library: &Library) -> Judgement {
+    let is_there = |name: &String| truth.effects.iter().any(|own| own.name == *name);
+    let is_like =
+        |name: &String| is_there(name) || truth.effects.iter().any(|own| are_alike(library, name, &own.name));
+    let named = || steps.iter().flatten();
+    let is_named = |own: &Effect| named().filter(|name| own.name == **name).count() == 1;
+    let all_there = steps.iter().all(|names| names.iter().any(is_there));
+    match verdict {
         Verdict::NothingMissing if truth.effects.is_empty() => Judgement::Right,
         Verdict::UnknownEffect | Verdict::Named | Verdict::Ambiguous if truth.effects.is_empty() => {
             Judgement::FalseAlarm
         }
         Verdict::UnknownEffect if truth.what.starts_with("unknown") => Judgement::Right,
         Verdict::NothingMissing | Verdict::UnknownEffect | Verdict::CannotJudge => Judgement::Refused,
-        Verdict::Ambiguous if named.iter().any(is_there) => Judgement::Among,
-        Verdict::Named if named.iter().all(is_there) && truth.effects.iter().all(is_named) => {
-            Judgement::Right
-        }
-        Verdict::Named if named.iter().all(is_there) => Judgement::Half,
-        _ if named.iter().all(is_like) => Judgement::Alias,
+        Verdict::Ambiguous if all_there => Judgement::Among,
+        Verdict::Named if all_there && truth.effects.iter().all(is_named) => Judgement::Right,
+        Verdict::Named if all_there && steps.len() < truth.effects.len() => Judgement::Half,
+        _ if !all_there && named().all(is_like) => Judgement::Alias,
         _ => Judgement::Wrong,
     }
 }

@@ -232,7 +232,7 @@ static void overflow(struct drawing *d) {
     p->overflowing = SHAPE(d, LIMIT, WEIR);
     p->overflow_at = noted(d, "L", "m", d->at->top[H1] * fmax(0.4, 1 - 0.3 * share(d, 0.3, 1.5)));
     p->overflow_share = noted(d, "s", "1", even(d->c, 0.2, 1));
-    if (p->overflowing == WEIR) p->weir = noted(d, "weir", "m1.5/s", d->at->force / pow(even(d->c, 0.02, 0.06) * d->at->top[H1], 1.5));
+    if (p->overflowing == WEIR) p->weir = noted(d, "w", "m1.5/s", d->at->force / pow(even(d->c, 0.02, 0.06) * d->at->top[H1], 1.5));
 }
 
 /* ---- not in the library */

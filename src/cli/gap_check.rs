@@ -45,7 +45,7 @@ pub(super) fn shows(visible: &Visible, experiment: &Experiment) -> String {
         return text;
     }
     text += &format!(
-        "\nwhat these data could show beside the patch as fitted, if no more than noise were left ({} times that is{}), every effect where it shows best of all places and values that were tried\n\n{}",
+        "\nwhat these data could show beside the patch as fitted, if no more than noise were left (now it leaves {} times that{}), every effect where it shows best of all places and values that were tried\n\n{}",
         number(*leaves),
         noiseless(experiment),
         weakest(limits, "weakest that would show")

@@ -2,6 +2,7 @@
 
 use super::fit::{Fitted, Point};
 use super::limits::Limit;
+use super::mistold::Mistold;
 use super::model::ModelError;
 use super::problem::Problem;
 use super::record::Record;
@@ -9,7 +10,6 @@ use super::round::Round;
 use super::score::{about_mean, colour};
 use super::stage::{COLOURED, Stage};
 use super::statistics::mean;
-use super::turned::Turned;
 use super::unrest::{NotWhite, SlowNoise};
 use crate::instruments::number;
 
@@ -34,8 +34,8 @@ pub enum Blind {
     Effects,
     /// The patch explains them with values beyond their ranges, as this tells.
     Beyond(String),
-    /// The patch explains their opposite.
-    Turned(Turned),
+    /// The patch explains them once something is told otherwise.
+    Mistold(Mistold),
 }
 
 impl Blind {
@@ -62,7 +62,7 @@ impl Blind {
             Blind::Beyond(told) => format!(
                 "the patch alone explains them with {told}: widen that if the value may be true; something is missing if it may not"
             ),
-            Blind::Turned(turned) => turned.sentence(),
+            Blind::Mistold(own) => own.sentence(),
         }
     }
 }

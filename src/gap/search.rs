@@ -171,8 +171,8 @@ impl Problem {
         if self.is_noise_alone() {
             return self.unjudged(base, Blind::Still, with.seed).map(Some);
         }
-        if let Some(turned) = self.turned(&base, patch, fit, with.seed)? {
-            return self.unjudged(base, Blind::Turned(turned), with.seed).map(Some);
+        if let Some(mistold) = self.mistold(&base, patch, fit, with.seed)? {
+            return self.unjudged(base, Blind::Mistold(mistold), with.seed).map(Some);
         }
         let (base, come, before_promise) = self.gone_through(base, with, progress)?;
         let come = match before_promise {

@@ -159,7 +159,7 @@ impl Problem {
     }
 
     /// How far an output goes about its mean in the training records, rms over its noise.
-    fn moves(&self, output: usize) -> f64 {
+    pub(super) fn moves(&self, output: usize) -> f64 {
         let moved = self.train.iter().flat_map(|record| about_mean(&record.outputs[output]));
         mean(&moved.map(|own| own.powi(2)).collect::<Vec<_>>()).sqrt() / self.sigma[output]
     }

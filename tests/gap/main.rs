@@ -8,6 +8,7 @@ mod integrated;
 #[path = "../common/library.rs"]
 mod library;
 mod limits;
+mod mistold;
 #[path = "../common/mutated.rs"]
 mod mutated;
 #[path = "../common/noise.rs"]
@@ -21,7 +22,6 @@ mod search;
 mod separate;
 mod spoilt;
 mod story;
-mod turned;
 mod unrest;
 mod r#where;
 

@@ -1,0 +1,59 @@
+//! Signs and units that are told wrongly.
+
+use patchcord::gap::Experiment;
+use patchcord::gap::blind::Blind;
+use patchcord::gap::mistold::{Mistold, Otherwise};
+use patchcord::gap::search::{Outcome, Verdict};
+
+use super::search::spoilt;
+
+/// What comes of an experiment whose output is told so many times too large.
+fn scaled(name: &str, factor: f64) -> Outcome {
+    spoilt(name, |experiment| {
+        let records = experiment.train.iter_mut().chain(&mut experiment.test);
+        records.flat_map(|record| record.outputs.iter_mut().flatten()).for_each(|value| *value *= factor);
+    })
+}
+
+/// Holds an outcome to a verdict that tells what is wrong, and gives that.
+fn mistold(found: &Outcome) -> &Mistold {
+    let Some(Blind::Mistold(own)) = &found.blind else { panic!("{:?}", found.blind) };
+    assert_eq!(found.verdict, Verdict::CannotJudge);
+    assert!(own.leaves[0] > 5.0 && (own.leaves[1] - 1.0).abs() < 0.05, "{:?}", own.leaves);
+    assert!(found.rounds.is_empty() && found.effects.is_empty());
+    own
+}
+
+#[test]
+fn no_effect_is_named_for_a_sign() {
+    let found = scaled("nothing", -1.0);
+    assert_eq!(mistold(&found).otherwise, Otherwise::Outputs(vec!["x".to_owned()], -1.0));
+    assert!(found.sentence().starts_with("these data cannot judge: with x turned round the patch leaves "));
+    // With an effect missing, too, the sign comes first.
+    assert_eq!(scaled("relay", -1.0).verdict, Verdict::CannotJudge);
+}
+
+#[test]
+fn no_effect_is_named_for_a_unit() {
+    for (factor, told) in [(1e3, "a thousandth of x"), (1e-3, "a thousand times x")] {
+        let found = scaled("nothing", factor);
+        assert!(matches!(&mistold(&found).otherwise, Otherwise::Outputs(names, _) if names == &["x"]));
+        let begins = format!("these data cannot judge: with {told} the patch leaves ");
+        assert!(found.sentence().starts_with(&begins), "{}", found.sentence());
+        assert!(found.sentence().contains("look at the units of columns and drives"), "{}", found.sentence());
+    }
+}
+
+#[test]
+fn no_effect_is_named_for_times_in_another_unit() {
+    let found = spoilt("nothing", |experiment: &mut Experiment| {
+        for record in experiment.train.iter_mut().chain(&mut experiment.test) {
+            // So coarse a record takes long; a few samples tell as well.
+            let columns = record.outputs.iter_mut().chain(&mut record.drives);
+            columns.for_each(|column| column.truncate(400));
+            record.interval *= 1e3;
+        }
+    });
+    assert_eq!(mistold(&found).otherwise, Otherwise::Times);
+    assert!(found.sentence().ends_with("look at the unit of \"time\", which is s where none is told"));
+}
