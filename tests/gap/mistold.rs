@@ -19,7 +19,8 @@ fn scaled(name: &str, factor: f64) -> Outcome {
 fn mistold(found: &Outcome) -> &Mistold {
     let Some(Blind::Mistold(own)) = &found.blind else { panic!("{:?}", found.blind) };
     assert_eq!(found.verdict, Verdict::CannotJudge);
-    assert!(own.leaves[0] > 5.0 && (own.leaves[1] - 1.0).abs() < 0.05, "{:?}", own.leaves);
+    // Noise alone, within three standard errors of 400 samples.
+    assert!(own.leaves[0] > 5.0 && (own.leaves[1] - 1.0).abs() < 0.1, "{:?}", own.leaves);
     assert!(found.rounds.is_empty() && found.effects.is_empty());
     own
 }
