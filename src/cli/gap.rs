@@ -122,7 +122,7 @@ fn checked(arguments: &Arguments, experiment: &Experiment, library: &Library) ->
         return say_json(&gap_check::document(experiment, &places, &visible));
     }
     say(&gap_check::told(experiment, &places))?;
-    say(&gap_check::shows(&visible(arguments, experiment, library)?, experiment))
+    say(&gap_check::shows(&visible(arguments, experiment, library)?, experiment, library))
 }
 
 fn visible(arguments: &Arguments, experiment: &Experiment, library: &Library) -> Result<Visible, Failure> {

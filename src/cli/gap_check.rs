@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use super::failure::plural;
 use super::gap_report::weakest;
 use super::table::Table;
+use patchcord::gap::effect::Library;
 use patchcord::gap::limits::{Limit, Visible};
 use patchcord::gap::places::Places;
 use patchcord::gap::round::LeftOut;
@@ -38,7 +39,7 @@ pub(super) fn told(experiment: &Experiment, places: &Places) -> String {
 }
 
 /// From which strength on the data could show effects.
-pub(super) fn shows(visible: &Visible, experiment: &Experiment) -> String {
+pub(super) fn shows(visible: &Visible, experiment: &Experiment, library: &Library) -> String {
     let Visible { leaves, limits, left_out } = visible;
     let mut text: String = left_out.iter().map(|own| own.sentence() + "\n").collect();
     if limits.is_empty() {
@@ -50,12 +51,14 @@ pub(super) fn shows(visible: &Visible, experiment: &Experiment) -> String {
         noiseless(experiment),
         weakest(limits, "weakest that would show")
     );
-    let mut blind: Vec<String> = limits.iter().filter(|own| !own.is_seen()).map(Limit::named).collect();
-    blind.dedup();
-    if !blind.is_empty() {
-        text += &format!("\nNo strength in its range would show of {}.\n", blind.join(", "));
-    }
-    text
+    let mut blind: Vec<&Limit> = limits.iter().filter(|own| !own.is_seen()).collect();
+    blind.dedup_by_key(|own| own.named());
+    let blind = blind.into_iter().map(|own| {
+        let needs = library.get(&own.effect).map(|effect| format!("; needs: {}", effect.excitation));
+        format!("No strength in its range would show of {}{}.\n", own.named(), needs.unwrap_or_default())
+    });
+    let blind: String = blind.collect();
+    if blind.is_empty() { text } else { text + "\n" + &blind }
 }
 
 /// What stands for the noise of outputs that show none.

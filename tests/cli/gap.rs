@@ -61,7 +61,8 @@ fn the_check_tells_which_effects_would_not_show_at_all() {
     std::fs::write(&noisy, asked.replace("\"sigma\": 0.2,", "\"sigma\": 300,")).unwrap();
     let told = patchcord(&["gap", noisy.to_str().unwrap(), "--check"]);
     assert_eq!((code(&told), errors(&told).as_str()), (0, ""));
-    assert!(out(&told).contains("No strength in its range would show of "), "{}", out(&told));
+    let untold = "No strength in its range would show of saturation at F; needs: a drive that asks for less and for more than L.\n";
+    assert!(out(&told).contains(untold), "{}", out(&told));
 }
 
 #[test]

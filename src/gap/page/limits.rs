@@ -1,11 +1,16 @@
 //! The weakest effects that the data would have shown.
 
 use super::sheet::{escaped_text, table};
+use crate::gap::effect::Library;
 use crate::gap::limits::Limit;
 
-pub(super) fn section(limits: &[Limit]) -> String {
+pub(super) fn section(limits: &[Limit], library: &Library) -> String {
+    let unseen = |limit: &Limit| {
+        let needs = library.get(&limit.effect).map(|effect| format!("; needs: {}", effect.excitation));
+        format!("not at all{}", needs.unwrap_or_default())
+    };
     let rows = limits.iter().map(|limit| {
-        let from = limit.told().unwrap_or_else(|| "not at all".to_owned());
+        let from = limit.told().unwrap_or_else(|| unseen(limit));
         let (reads, with) = (limit.reads.join(", "), limit.beside.told());
         let cells = [&limit.effect, &limit.junction, &reads, &limit.parameter, &from, &with];
         (false, cells.map(escaped_text).to_vec())

@@ -58,7 +58,7 @@ pub fn page(told: &Told<'_>) -> Result<String, PlotError> {
     body += &end::section(told)?;
     body += &apart::section(told.outcome);
     if !told.outcome.limits.is_empty() {
-        body += &limits::section(&told.outcome.limits);
+        body += &limits::section(&told.outcome.limits, told.library);
     }
     body += "</main>\n";
     Ok(html::page(title, &body))
