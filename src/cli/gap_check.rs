@@ -54,8 +54,7 @@ pub(super) fn shows(visible: &Visible, experiment: &Experiment, library: &Librar
     let mut blind: Vec<&Limit> = limits.iter().filter(|own| !own.is_seen()).collect();
     blind.dedup_by_key(|own| own.named());
     let blind = blind.into_iter().map(|own| {
-        let needs = library.get(&own.effect).map(|effect| format!("; needs: {}", effect.excitation));
-        format!("No strength in its range would show of {}{}.\n", own.named(), needs.unwrap_or_default())
+        format!("No strength in its range would show of {}{}.\n", own.named(), own.needs(library))
     });
     let blind: String = blind.collect();
     if blind.is_empty() { text } else { text + "\n" + &blind }

@@ -26,7 +26,7 @@ pub(super) fn points(values: &[f64], interval: f64, hold: Hold) -> Vec<[f64; 2]>
 /// the last. A sine of angular frequency w, sampled every h seconds, is missed by 5/1024 (w h)^6 of itself at most.
 fn smooth(values: &[f64], interval: f64) -> Vec<[f64; 2]> {
     let weights: Vec<_> =
-        (0..=(THROUGH - 1) * PARTS).map(|place| weights(place as f64 / PARTS as f64)).collect();
+        (0..=(THROUGH - 1) * PARTS).map(|place| weights_at(place as f64 / PARTS as f64)).collect();
     let point = |place: usize| {
         let first = (place / PARTS).saturating_sub(THROUGH / 2 - 1).min(values.len() - THROUGH);
         let value = product(&weights[place - first * PARTS], &values[first..first + THROUGH]);
@@ -36,7 +36,7 @@ fn smooth(values: &[f64], interval: f64) -> Vec<[f64; 2]> {
 }
 
 /// What each of six samples counts, so many samples behind the first of them.
-fn weights(at: f64) -> [f64; THROUGH] {
+fn weights_at(at: f64) -> [f64; THROUGH] {
     std::array::from_fn(|own| {
         let others = (0..THROUGH).filter(|other| *other != own);
         others.map(|other| (at - other as f64) / (own as f64 - other as f64)).product()

@@ -59,8 +59,12 @@ impl Known {
         let width = high - low;
         match number(low) == number(high) && width > 0.0 {
             true => {
-                let digits = (1.0 - width.log10().floor()).clamp(0.0, 15.0) as usize;
-                format!("{value:.digits$}")
+                let decimals = 1.0 - width.log10().floor();
+                let magnitude = value.abs().log10().floor();
+                match magnitude < -5.0 && value != 0.0 {
+                    true => format!("{value:.*e}", (magnitude + decimals).clamp(0.0, 15.0) as usize),
+                    false => format!("{value:.*}", decimals.clamp(0.0, 15.0) as usize),
+                }
             }
             false => number(value),
         }
@@ -329,6 +333,7 @@ mod tests {
         assert_eq!(known(14.9971, 15.0028, 0.001).number(15.00249), "15.0025");
         assert_eq!(known(1.5, 2.25, 0.1).number(1.87654), "1.877");
         assert_eq!(Known::NOT.number(1.87654), "1.877");
+        assert_eq!(known(1.99997e-16, 2.00003e-16, 1e-21).number(2.00001e-16), "2.000010e-16");
     }
 
     /// What the sum of squares rises by at a rate, the amplitude fitted again, were the noise of 1 V.

@@ -75,7 +75,7 @@ impl Problem {
             sigma: sigma.collect(),
             offset: experiment.outputs.iter().map(|output| output.offset).collect(),
             train: cut(&experiment.train),
-            pieces: experiment.train.iter().flat_map(|record| record.pieces(cuts, LEAST_PIECE)).collect(),
+            pieces: in_pieces(&experiment.train, cuts),
             cuts,
             test: cut(&experiment.test),
             is_cut: experiment.pieces.is_some(),
@@ -126,6 +126,11 @@ impl Problem {
         });
         Point { initial: initial.collect(), ..point.clone() }
     }
+}
+
+/// Records each cut into so many pieces, if it is long enough: over these errors cannot grow far.
+pub(super) fn in_pieces(records: &[Record], cuts: usize) -> Vec<Record> {
+    records.iter().flat_map(|record| record.pieces(cuts, LEAST_PIECE)).collect()
 }
 
 /// The ends between which an output lies.

@@ -93,16 +93,17 @@ impl Problem {
 impl Agreement {
     /// The same in words.
     pub fn sentence(&self) -> String {
-        let left = number(self.left);
+        let of = if self.in_pieces { " of the pieces that are fitted first" } else { "" };
+        let left = format!("{} times the noise{of}", number(self.left));
         match (self.is_same, self.tried) {
             (true, 1) => "a fit from another point comes to the same".to_owned(),
             (true, tried) => format!("of {tried} fits from other points one comes to the same"),
             _ if self.is_better => format!(
-                "a fit from another point leaves less, {left} times the noise, with {}: it found what the patch was not fitted to; let the parameters of the patch begin there",
+                "a fit from another point leaves less, {left}, with {}: it found what the patch was not fitted to; let the parameters of the patch begin there",
                 self.values.told()
             ),
             (false, tried) if self.left.is_finite() => format!(
-                "of {tried} fits from other points none comes to the same (the best leaves {left} times the noise): there may be better ones than this; narrower ranges help to find them"
+                "of {tried} fits from other points none comes to the same (the best leaves {left}): there may be better ones than this; narrower ranges help to find them"
             ),
             (false, tried) => format!("from none of {tried} other points the patch can be run"),
         }

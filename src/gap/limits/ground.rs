@@ -111,7 +111,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// ParameterValues of all parameters but the first, as fits begin with them; what has the unit of the first is another strength, and left
+/// Values of all parameters but the first, as fits begin with them; what has the unit of the first is another strength, and left
 /// out where it can be.
 fn variants(candidate: &Candidate) -> Vec<Vec<f64>> {
     let brought = &candidate.graft.parameters;

@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 use self::ground::Ground;
 use super::attached::Attached;
 use super::candidate::Candidate;
+use super::effect::Library;
 use super::model::ModelError;
 use super::parameter_values::ParameterValues;
 use super::problem::Problem;
@@ -163,6 +164,12 @@ impl Limit {
     /// Its value with its unit.
     pub fn told(&self) -> Option<String> {
         self.value.map(|value| format!("{}{}", number(value), behind(&self.unit)))
+    }
+
+    /// What data must hold for the effect to be judged, behind a semicolon; nothing where the library does not have it.
+    pub fn needs(&self, library: &Library) -> String {
+        let effect = library.get(&self.effect);
+        effect.map(|own| format!("; needs: {}", own.excitation)).unwrap_or_default()
     }
 
     /// Whether the data could show the effect at all.

@@ -5,12 +5,8 @@ use crate::gap::effect::Library;
 use crate::gap::limits::Limit;
 
 pub(super) fn section(limits: &[Limit], library: &Library) -> String {
-    let unseen = |limit: &Limit| {
-        let needs = library.get(&limit.effect).map(|effect| format!("; needs: {}", effect.excitation));
-        format!("not at all{}", needs.unwrap_or_default())
-    };
     let rows = limits.iter().map(|limit| {
-        let from = limit.told().unwrap_or_else(|| unseen(limit));
+        let from = limit.told().unwrap_or_else(|| format!("not at all{}", limit.needs(library)));
         let (reads, with) = (limit.reads.join(", "), limit.beside.told());
         let cells = [&limit.effect, &limit.junction, &reads, &limit.parameter, &from, &with];
         (false, cells.map(escaped_text).to_vec())
