@@ -7,6 +7,7 @@ use super::model::ModelError;
 use super::problem::Problem;
 use super::record::Record;
 use super::round::Round;
+use super::runaway::Runaway;
 use super::score::{about_mean, colour};
 use super::stage::{COLOURED, Stage};
 use super::statistics::mean;
@@ -36,6 +37,8 @@ pub enum Blind {
     Beyond(String),
     /// The patch explains them once something is told otherwise.
     Mistold(Mistold),
+    /// The patch runs away from them.
+    Runaway(Runaway),
 }
 
 impl Blind {
@@ -63,6 +66,7 @@ impl Blind {
                 "the patch alone explains them with {told}: widen that if the value may be true; something is missing if it may not"
             ),
             Blind::Mistold(own) => own.sentence(),
+            Blind::Runaway(own) => own.sentence(),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::blind::over_sigma;
 use super::model::ModelError;
 use super::problem::{Problem, in_pieces};
 use super::record::Record;
-use super::stage::Stage;
+use super::stage::{Stage, glance};
 use crate::instruments::number;
 use crate::patch::Patch;
 
@@ -13,8 +13,6 @@ use crate::patch::Patch;
 const FAR_LESS: f64 = 0.2;
 /// Units are in question where of an output more is left than this share of how far it moves, in rms.
 const HARDLY: f64 = 0.5;
-/// Of many records only the first are looked at, up to so many samples.
-const FEW: usize = 4000;
 /// What prefixes of units differ by.
 const THOUSAND: f64 = 1e3;
 
@@ -109,18 +107,12 @@ impl Problem {
         Ok(best)
     }
 
-    /// The same with no more than the first of many records.
+    /// The same with no more than a few of many records.
     fn of_few_records(&self) -> Problem {
-        let first = |records: &[Record]| -> Vec<Record> {
-            let mut samples = 0;
-            let is_within = |record: &&Record| {
-                let is_first = samples == 0;
-                samples += record.len();
-                is_first || samples <= FEW
-            };
-            records.iter().take_while(is_within).cloned().collect()
+        let few = |records: &[Record]| -> Vec<Record> {
+            glance(records).into_iter().map(|place| records[place].clone()).collect()
         };
-        let (train, test) = (first(&self.train), first(&self.test));
+        let (train, test) = (few(&self.train), few(&self.test));
         Problem { pieces: in_pieces(&train, self.cuts), train, test, ..self.clone() }
     }
 

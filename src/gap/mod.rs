@@ -47,6 +47,7 @@ pub mod reach;
 mod record;
 pub mod report;
 pub mod round;
+pub mod runaway;
 pub mod score;
 pub mod search;
 mod sentence;

@@ -171,6 +171,9 @@ impl Problem {
         if self.is_noise_alone() {
             return self.unjudged(base, Blind::Still, with.seed).map(Some);
         }
+        if let Some(runaway) = self.runs_away(&base)? {
+            return self.unjudged(base, Blind::Runaway(runaway), with.seed).map(Some);
+        }
         if let Some(mistold) = self.mistold(&base, patch, fit, with.seed)? {
             return self.unjudged(base, Blind::Mistold(mistold), with.seed).map(Some);
         }

@@ -288,13 +288,6 @@ impl Problem {
         Ok(effort.best(&task, starts, begun))
     }
 
-    /// The places of records, all or a few of many, from which a first look takes its data.
-    fn glance(&self) -> Vec<usize> {
-        let (records, samples) = (self.train.len(), self.train.iter().map(Record::len).sum::<usize>());
-        let count = (GLANCED_AT * records / samples.max(1)).clamp(1, records);
-        (0..count).map(|place| place * records / count).collect()
-    }
-
     /// From where all of many records are gone on with, and how: from where a few of them lead, and from what these may lead
     /// astray from. Nothing where the records are few, or there is nothing to choose between.
     fn at_a_glance(
@@ -305,7 +298,7 @@ impl Problem {
         effort: Effort,
         seen: &mut Seen,
     ) -> Result<Option<(Effort, Vec<Point>)>, ModelError> {
-        let places = self.glance();
+        let places = glance(&self.train);
         let is_open = starts.sure.iter().chain(&starts.found).chain(&starts.others).count() > 1;
         let split = effort.split().filter(|_| is_open && places.len() < self.train.len());
         let Some([few, rest]) = split else { return Ok(None) };
@@ -515,4 +508,11 @@ impl Problem {
         let stage = self.stage(version, from, asked.wanted)?.ok_or(Untried::NotRun)?;
         Ok((candidate, stage))
     }
+}
+
+/// The places of records, all or a few of many, from which a first look takes its data.
+pub(super) fn glance(records: &[Record]) -> Vec<usize> {
+    let (count, samples) = (records.len(), records.iter().map(Record::len).sum::<usize>());
+    let few = (GLANCED_AT * count / samples.max(1)).clamp(1, count);
+    (0..few).map(|place| place * count / few).collect()
 }

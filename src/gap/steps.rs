@@ -62,14 +62,21 @@ impl Problem {
         Ok(Fineness { steps: version.steps, error, wanted: wanted(stage.train.over_noise()) })
     }
 
-    /// Steps with which the solver errs little, for a patch as it stands; the most where none do.
+    /// Steps with which the solver errs little, for a patch as it stands. Where none do, as where it runs away, those with which it
+    /// errs little beside what is left; the most where none do.
     ///
     /// # Errors
     /// When the patch cannot be run beside the records.
     pub(super) fn steps(&self, patch: &Patch, fit: &[String]) -> Result<u32, ModelError> {
         let version = Version { patch: patch.clone(), fit: fit.to_vec(), free: Vec::new(), steps: 1 };
-        let at = Point::of(&self.model(&version, &self.train, &self.outputs)?, self.outputs.len());
-        Ok(self.fine_enough(&version, &at, 1.0)?.unwrap_or(MOST_STEPS))
+        let model = self.model(&version, &self.train, &self.outputs)?;
+        let at = Point::of(&model, self.outputs.len());
+        if let Some(steps) = self.fine_enough(&version, &at, 1.0)? {
+            return Ok(steps);
+        }
+        let stands = self.task(&model, &self.train, false).told(&at);
+        let left = stands.map_or(1.0, |stands| stands.over_noise());
+        Ok(self.fine_enough(&version, &at, left)?.unwrap_or(MOST_STEPS))
     }
 
     /// A stage fitted again with finer steps, where the solver errs by too much at the point that it came to; nothing where it

@@ -18,6 +18,7 @@ mod own;
 mod page;
 mod provenance;
 mod reading;
+mod runaway;
 mod search;
 mod separate;
 mod spoilt;

@@ -45,6 +45,27 @@ fn no_effect_is_named_for_a_unit() {
 }
 
 #[test]
+fn the_output_in_another_unit_is_told_beside_one_that_is_right() {
+    let found = spoilt("bias", |experiment| {
+        let records = experiment.train.iter_mut().chain(&mut experiment.test);
+        records.flat_map(|record| &mut record.outputs[1]).for_each(|value| *value *= 1e3);
+        experiment.outputs[1].sigma = experiment.outputs[1].sigma.map(|sigma| 1e3 * sigma);
+    });
+    let Some(Blind::Mistold(own)) = &found.blind else { panic!("{}", found.sentence()) };
+    assert_eq!(own.otherwise, Otherwise::Thousandth(vec!["h2".to_owned()]));
+}
+
+#[test]
+fn a_unit_is_told_of_pieces_and_of_what_may_stand_off() {
+    let found = spoilt("nothing", |experiment| {
+        (experiment.pieces, experiment.outputs[0].offset) = (Some(2.0), true);
+        let records = experiment.train.iter_mut().chain(&mut experiment.test);
+        records.flat_map(|record| record.outputs.iter_mut().flatten()).for_each(|value| *value *= 1e-3);
+    });
+    assert_eq!(mistold(&found, 0.05).otherwise, Otherwise::Thousandfold(vec!["x".to_owned()]));
+}
+
+#[test]
 fn no_effect_is_named_for_times_in_another_unit() {
     let found = spoilt("nothing", |experiment: &mut Experiment| {
         for record in experiment.train.iter_mut().chain(&mut experiment.test) {

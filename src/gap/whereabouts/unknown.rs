@@ -330,3 +330,130 @@ impl Sought<'_> {
         index < task.model.knobs.len() || task.states_of(record).contains(&index)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::circuit::Circuit;
+    use crate::gap::fit::{Ladder, MOST_ROUNDS, SETTLED_SHARE};
+    use crate::gap::model::Model;
+    use crate::gap::record::Record;
+    use crate::patch::Patch;
+    use crate::program::Program;
+    use crate::solve::{self, RunSettings};
+
+    const SAMPLES: usize = 201;
+    const INTERVAL: f64 = 0.01;
+    const STEPS: u32 = 4;
+    /// A force swings the mass through its play and far beyond.
+    const KNOTS: usize = 11;
+    const FORCE: [f64; KNOTS] = [2.0, 30.0, -20.0, 10.0, 40.0, -50.0, 0.0, 25.0, -30.0, 5.0, 1.0];
+
+    fn knot(place: usize) -> f64 {
+        place as f64 * (SAMPLES - 1) as f64 * INTERVAL / (KNOTS - 1) as f64
+    }
+
+    /// A mass with play in its spring, and friction with the square of speed; as much of a further force that is 1 V at a knot and goes
+    /// straight to nothing at those beside it as a pot lets through.
+    fn mass(place: usize) -> Patch {
+        let table = |height: &dyn Fn(usize) -> f64| {
+            let points: Vec<_> = (0..KNOTS).map(|knot_at| [knot(knot_at), height(knot_at)]).collect();
+            json!({"kind": "table", "scale": "volt", "points": points})
+        };
+        let text = json!({
+            "patchcord": 1,
+            "parameters": {"p": {"value": 0, "unit": "1", "range": [0, 1]}},
+            "scales": {"volt": {"unit": "V", "per_volt": 1}},
+            "drives": {
+                "force": table(&|own| FORCE[own]),
+                "further": table(&|own| f64::from(own == place)),
+            },
+            "elements": {
+                "P1": {"kind": "pot", "in": "further", "setting": "p"},
+                "Z1": {"kind": "dead-zone", "in": "A2", "lower": -3, "upper": 5},
+                "B1": {"kind": "inverter", "in": "Z1"},
+                "U1": {"kind": "absolute", "in": "A1"},
+                "M1": {"kind": "multiplier", "mode": "product", "a": "A1", "b": "U1"},
+                "A1": {"kind": "integrator", "in": {"x10": ["force", "P1", "B1"], "x1": ["M1"]}},
+                "A2": {"kind": "integrator", "in": {"x10": ["A1"]}},
+            },
+            "signals": {"x": {"at": "A2", "scale": "volt"}, "v": {"at": "A1", "scale": "volt"}},
+            "run": {"for": 2, "step": 0.0025}
+        });
+        Patch::parse("mass.json", &text.to_string()).unwrap_or_else(|report| panic!("{report}"))
+    }
+
+    /// What the engine tells: the derivatives of x and v by the setting of the pot, sample by sample.
+    fn exact(patch: &Patch) -> [Vec<f64>; 2] {
+        let circuit = Circuit::new(patch, &[]).unwrap();
+        let settings = RunSettings {
+            step: INTERVAL / f64::from(STEPS),
+            every: INTERVAL,
+            record: vec!["x".to_owned(), "v".to_owned()],
+            sensitivities: vec!["p".to_owned()],
+            ..RunSettings::of(&circuit).unwrap()
+        };
+        let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
+        ["x", "v"].map(|signal| trace.derivative(signal, "p").unwrap().values().collect())
+    }
+
+    /// What a force at a knot, and the pot, do to both outputs, by the differences that the search takes.
+    fn by_differences(patch: &Patch, place: usize) -> Vec<DMatrix<f64>> {
+        let record = Record {
+            name: "record".to_owned(),
+            begin: 0.0,
+            since: 0.0,
+            interval: INTERVAL,
+            jitter: 0.0,
+            drives: Vec::new(),
+            outputs: vec![vec![0.0; SAMPLES]; 2],
+        };
+        let (records, outputs) = ([record], ["x", "v"].map(str::to_owned));
+        let model = Model::new(patch, &records, &[], &["p".to_owned()], &[], &outputs, STEPS).unwrap();
+        let task = Task {
+            model: &model,
+            records: &records,
+            sigma: &[1.0; 2],
+            offset: &[false; 2],
+            turns: true,
+            held: None,
+            wanted: f64::INFINITY,
+            most_rounds: MOST_ROUNDS,
+            settled: SETTLED_SHARE,
+            dampings: Ladder::MANY,
+        };
+        let groups = (0..KNOTS).map(|own| (knot(own), vec![(own, 1.0)])).collect();
+        let shape = Shape { groups: vec![KNOTS], records: vec![groups] };
+        let home = Point { knobs: vec![0.0], initial: vec![vec![0.0; 2]], offsets: vec![0.0; 2] };
+        let sought = Sought {
+            task,
+            table: Table::Drive("force"),
+            push: 1e-3,
+            shape: &shape,
+            home: &home,
+            without: f64::INFINITY,
+            acts_back: false,
+            near: 0.1,
+        };
+        let standing = Standing { at: task.shares(&home), sought: DVector::from_column_slice(&FORCE) };
+        let columns = sought.columns(0, &standing, &[0]).unwrap();
+        columns.iter().map(|own| own.select_columns(&[0, 1 + place])).collect()
+    }
+
+    #[test]
+    fn what_a_force_does_is_what_the_engine_tells() {
+        for place in [0, 3, 7] {
+            let patch = mass(place);
+            let exact = exact(&patch);
+            for (exact, columns) in exact.iter().zip(by_differences(&patch, place)) {
+                let exact = DVector::from_column_slice(exact);
+                for column in columns.column_iter() {
+                    let apart = (column - &exact).amax() / exact.amax();
+                    assert!(apart < 1e-4, "{place}: {apart}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! A patch that runs away from the data.
+
+use patchcord::gap::blind::Blind;
+use patchcord::gap::search::Verdict;
+use patchcord::patch::Edit;
+use serde_json::json;
+
+use super::search::spoilt;
+
+#[test]
+fn no_effect_is_sought_where_a_spring_has_the_wrong_sign() {
+    let found = spoilt("nothing", |experiment| {
+        let turned = [
+            Edit::new("elements/BX", json!({"kind": "inverter", "in": "IX"})),
+            Edit::new("elements/PK/in", json!("BX")),
+        ];
+        experiment.patch = experiment.patch.edited("turned.json", &turned).unwrap();
+        for record in experiment.train.iter_mut().chain(&mut experiment.test) {
+            record.drives.iter_mut().chain(&mut record.outputs).for_each(|column| column.truncate(600));
+        }
+    });
+    let Some(Blind::Runaway(own)) = &found.blind else { panic!("{}", found.sentence()) };
+    assert_eq!((found.verdict, own.output.as_str()), (Verdict::CannotJudge, "x"));
+    assert!(found.rounds.is_empty() && found.effects.is_empty());
+    assert!(found.sentence().contains("the patch runs away: what is left of x, "), "{}", found.sentence());
+    assert!(found.sentence().contains("look at the signs in its loops"), "{}", found.sentence());
+}
