@@ -1,68 +1,86 @@
 //! A patch that runs away from the data, as where a sign in one of its loops is wrong: what it lacks cannot be told from there.
 
-use super::blind::over_sigma;
 use super::fit::Task;
 use super::model::ModelError;
 use super::normal::Column;
 use super::problem::Problem;
+use super::score::rms_about_means;
 use super::stage::Stage;
 use crate::instruments::number;
 
-/// A patch runs away where what is changed at its beginning grows by more than this factor: that of three integrators in a row grows to
-/// 256 times what it was after the first part of a record.
+/// What little is changed at the beginning of a record grows by more than this factor where a patch runs away,
 const GROWTH: f64 = 1e3;
-/// Of so many parts of a record the first is where it begins.
+/// from what it comes to in the first of so many parts of the record. Integrators in a row that hold each at its initial voltage let a
+/// change grow by a power of that number, too, and do not run away.
 const PARTS: usize = 16;
+/// The first part of a record has so many samples at least; of a shorter one nothing is said.
+const LEAST_SAMPLES: usize = 4;
+
+/// What is to be done about it, in words.
+pub(super) const ADVICE: &str = "look at the signs in its loops, or write \"pieces\" where it is to run away";
 
 /// That a patch runs away from the data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Runaway {
-    /// The output.
+    /// The output from which it goes farthest.
     pub output: String,
-    /// What is left of it, rms over its noise; more than it moves by.
+    /// What is left of that, rms about the mean over its noise; more than it moves by.
     pub left: f64,
+    /// By more than this factor a change of an initial voltage grows in it.
+    pub growth: f64,
 }
 
 impl Runaway {
     /// The same in words.
     pub fn sentence(&self) -> String {
+        let Runaway { output, left, growth } = self;
+        let [left, growth] = [left, growth].map(|own| number(*own));
         format!(
-            "the patch runs away: what is left of {}, {} times its noise, is more than that moves, and what little is changed where it begins grows more than a thousandfold: look at the signs in its loops, or write \"pieces\" where it is to run away",
-            self.output,
-            number(self.left)
+            "the patch runs away: it leaves {left} times the noise of {output}, more than {output} moves, and what is changed of its initial voltages grows more than {growth} times: {ADVICE}"
         )
     }
 }
 
 impl Problem {
-    /// That a stage runs away from an output of which it leaves more than that moves.
+    /// That a stage far from the data runs away from an output of which it leaves more than that moves.
     ///
     /// # Errors
     /// When the patch cannot be run beside the records.
-    pub(super) fn runs_away(&self, stage: &Stage) -> Result<Option<Runaway>, ModelError> {
-        let left = |output: usize| over_sigma(&stage.train, output);
-        let lost: Vec<usize> =
-            (0..self.outputs.len()).filter(|output| left(*output) > self.moves(*output)).collect();
-        if lost.is_empty() {
+    pub(super) fn runaway(&self, stage: &Stage) -> Result<Option<Runaway>, ModelError> {
+        let all = 0..self.outputs.len();
+        let left = |output: usize| {
+            rms_about_means(stage.train.residuals.iter().map(|record| record[output].as_slice()))
+        };
+        let mut lost: Vec<usize> = all.filter(|output| left(*output) > self.moves(*output)).collect();
+        if lost.is_empty() || !stage.is_far() {
             return Ok(None);
         }
+        lost.sort_by(|a, b| left(*b).total_cmp(&left(*a)));
         let model = self.model(&stage.version, &self.train, &self.outputs)?;
-        let task = self.task(&model, &self.train, false);
-        let away = lost.into_iter().find(|output| grows(&task, stage, *output));
-        Ok(away.map(|output| Runaway { output: self.outputs[output].clone(), left: left(output) }))
+        let responses = responses(&self.task(&model, &self.train, false), stage);
+        let growth = GROWTH.max((PARTS as f64).powi(model.initial.len() as i32 - 1));
+        let grows = |output: &usize| {
+            responses.iter().any(|record| record[*output].iter().any(|own| grows(&own.1, growth)))
+        };
+        let away = lost.into_iter().find(grows);
+        Ok(away.map(|output| Runaway { output: self.outputs[output].clone(), left: left(output), growth }))
     }
 }
 
-/// Whether initial voltages matter ever more to an output.
-fn grows(task: &Task<'_>, stage: &Stage, output: usize) -> bool {
+/// What initial voltages do to the outputs of every record; nothing where the patch cannot be run.
+fn responses(task: &Task<'_>, stage: &Stage) -> Vec<Vec<Vec<Column>>> {
     let at = task.shares(&stage.train.point);
-    let Some(courses) = task.courses(std::slice::from_ref(&at)).pop().flatten() else { return false };
-    let responses = |(record, course)| task.responses(&at, record, course).swap_remove(output);
+    let courses = task.courses(std::slice::from_ref(&at)).pop().flatten().unwrap_or_default();
+    courses.iter().enumerate().map(|(record, course)| task.responses(&at, record, course)).collect()
+}
+
+/// Whether a response grows by more than a factor from the first part of its record. One that is nothing there, as behind a delay, only
+/// begins later.
+fn grows(response: &[f64], factor: f64) -> bool {
     let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
-    let grows = |(_, response): Column| {
-        largest(&response) > GROWTH * largest(&response[..response.len().div_ceil(PARTS)])
-    };
-    courses.iter().enumerate().flat_map(responses).any(grows)
+    let first = response.len() / PARTS;
+    let before = largest(&response[..first]);
+    first >= LEAST_SAMPLES && before > 0.0 && largest(response) > factor * before
 }
 
 #[cfg(test)]
@@ -75,25 +93,29 @@ mod tests {
     use crate::gap::Experiment;
     use crate::patch::Edit;
 
-    /// Whether the oscillator runs away from data in which nothing is hidden, with other wires.
-    fn runs_away(edits: &[Edit]) -> bool {
+    #[test]
+    fn a_mass_that_nothing_holds_back_goes_far_and_does_not_run_away() {
         let path = Path::new("tests/gap/hidden/nothing/experiment.json");
         let mut experiment = Experiment::read(path).unwrap_or_else(|error| panic!("{error}"));
-        experiment.patch = experiment.patch.edited("other.json", edits).unwrap();
-        for record in experiment.train.iter_mut().chain(&mut experiment.test) {
-            record.drives.iter_mut().chain(&mut record.outputs).for_each(|column| column.truncate(400));
-        }
+        let free = Edit::new("elements/SF/in", json!({"x1": ["BF"]}));
+        experiment.patch = experiment.patch.edited("free.json", &[free]).unwrap();
+        experiment.train[0].outputs[0].iter_mut().for_each(|value| *value *= 0.1);
         let problem = Problem::of(&experiment).unwrap();
-        let base = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
-        problem.runs_away(&base).unwrap().is_some()
+        let base = problem.base(&experiment.patch, &[], 1).unwrap().unwrap();
+        let left = rms_about_means(base.train.residuals.iter().map(|record| record[0].as_slice()));
+        assert!(base.is_far() && left > problem.moves(0), "{left} {}", problem.moves(0));
+        assert_eq!(problem.runaway(&base).unwrap(), None);
     }
 
     #[test]
-    fn a_wrong_sign_of_a_spring_is_told_and_no_spring_is_not() {
-        let inverter = Edit::new("elements/BX", json!({"kind": "inverter", "in": "IX"}));
-        assert!(runs_away(&[inverter, Edit::new("elements/PK/in", json!("BX"))]));
-        assert!(!runs_away(&[Edit::new("elements/SF/in", json!({"x1": ["BF"], "x10": ["PC"]}))]));
-        // Fitted, damping of the wrong sign comes to nothing.
-        assert!(!runs_away(&[Edit::new("elements/PC/in", json!("IV"))]));
+    fn what_grows_by_more_than_integrators_in_a_row_runs_away() {
+        let times = || (0..160).map(f64::from);
+        let exponential: Vec<f64> = times().map(|time| (0.1 * time).exp()).collect();
+        assert!(grows(&exponential, GROWTH));
+        let cubic: Vec<f64> = times().map(|time| time.powi(3)).collect();
+        assert!(grows(&cubic, GROWTH) && !grows(&cubic, (PARTS as f64).powi(4)));
+        // What only begins later, and what is too short to tell.
+        let late: Vec<f64> = times().map(|time| f64::from(time > 20.0)).collect();
+        assert!(!grows(&late, GROWTH) && !grows(&[0.0, 1e-9, 1.0, 1e9], GROWTH));
     }
 }

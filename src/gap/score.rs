@@ -17,6 +17,12 @@ pub(super) fn about_mean(track: &[f64]) -> Vec<f64> {
     there.into_iter().map(|value| value - mean).collect()
 }
 
+/// How far tracks go about their means, rms.
+pub(super) fn rms_about_means<'t>(tracks: impl Iterator<Item = &'t [f64]>) -> f64 {
+    let moved = tracks.flat_map(about_mean).map(|own| own * own);
+    mean(&moved.collect::<Vec<f64>>()).sqrt()
+}
+
 /// Over how many samples residuals remember: 1 + 2 (sum of the autocorrelations), up to where these are lost in chance.
 pub fn memory(fitted: &Fitted) -> f64 {
     let times = fitted.residuals.iter().flatten().map(|track| there(track)).map(|track| {

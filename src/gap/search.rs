@@ -171,7 +171,7 @@ impl Problem {
         if self.is_noise_alone() {
             return self.unjudged(base, Blind::Still, with.seed).map(Some);
         }
-        if let Some(runaway) = self.runs_away(&base)? {
+        if let Some(runaway) = self.runaway(&base)? {
             return self.unjudged(base, Blind::Runaway(runaway), with.seed).map(Some);
         }
         if let Some(mistold) = self.mistold(&base, patch, fit, with.seed)? {

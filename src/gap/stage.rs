@@ -513,6 +513,6 @@ impl Problem {
 /// The places of records, all or a few of many, from which a first look takes its data.
 pub(super) fn glance(records: &[Record]) -> Vec<usize> {
     let (count, samples) = (records.len(), records.iter().map(Record::len).sum::<usize>());
-    let few = (GLANCED_AT * count / samples.max(1)).clamp(1, count);
+    let few = (GLANCED_AT * count / samples.max(1)).max(1).min(count);
     (0..few).map(|place| place * count / few).collect()
 }

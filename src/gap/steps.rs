@@ -69,14 +69,15 @@ impl Problem {
     /// When the patch cannot be run beside the records.
     pub(super) fn steps(&self, patch: &Patch, fit: &[String]) -> Result<u32, ModelError> {
         let version = Version { patch: patch.clone(), fit: fit.to_vec(), free: Vec::new(), steps: 1 };
-        let model = self.model(&version, &self.train, &self.outputs)?;
-        let at = Point::of(&model, self.outputs.len());
+        let at = Point::of(&self.model(&version, &self.train, &self.outputs)?, self.outputs.len());
         if let Some(steps) = self.fine_enough(&version, &at, 1.0)? {
             return Ok(steps);
         }
-        let stands = self.task(&model, &self.train, false).told(&at);
-        let left = stands.map_or(1.0, |stands| stands.over_noise());
-        Ok(self.fine_enough(&version, &at, left)?.unwrap_or(MOST_STEPS))
+        let finest =
+            self.model(&Version { steps: MOST_STEPS, ..version.clone() }, &self.train, &self.outputs)?;
+        let stands = self.task(&finest, &self.train, false).told(&at);
+        let beside = stands.map(|stands| self.fine_enough(&version, &at, stands.over_noise()));
+        Ok(beside.transpose()?.flatten().unwrap_or(MOST_STEPS))
     }
 
     /// A stage fitted again with finer steps, where the solver errs by too much at the point that it came to; nothing where it

@@ -10,7 +10,8 @@ use super::fit::{Fitted, Task};
 use super::model::ModelError;
 use super::problem::Problem;
 use super::record::Record;
-use super::score::about_mean;
+use super::runaway::ADVICE;
+use super::score::rms_about_means;
 use super::stage::Stage;
 use super::statistics::mean;
 use crate::instruments::number;
@@ -67,6 +68,8 @@ pub enum Cause {
     Own,
     /// Noise of these drives, which brings so much on average, rms over the noise of the output.
     Drives(Vec<String>, f64),
+    /// The patch runs away: noise of these drives grows to more than the output moves, as does what is left.
+    Runaway(Vec<String>),
     /// Straight lines between the samples of these drives: where they go on smoothly so much is left, rms over the noise.
     Between(Vec<String>, f64),
 }
@@ -85,6 +88,10 @@ impl NotWhite {
                 "what is left of {output}, {left} times its noise, is no more than noise of {} may bring, {} times: measure that better, or tell its \"sigma\", which is 0 of what is set and not measured",
                 drives.join(", "),
                 number((1.0 + BROUGHT * brought * brought).sqrt())
+            ),
+            Cause::Runaway(drives) => format!(
+                "the patch runs away: what is left of {output}, {left} times its noise, is more than that moves, and noise of {} would grow as far: {ADVICE}",
+                drives.join(", ")
             ),
             Cause::Between(drives, smooth) => format!(
                 "what is left of {output}, {left} times its noise, is what straight lines between the samples of {} bring: going on smoothly it leaves {} times; write \"hold\": \"smooth\" if that is how it went, or take samples closer together",
@@ -141,6 +148,7 @@ impl Problem {
         let drives = || self.noisy_drives().map(|feed| feed.drive.clone()).collect();
         let cause = |output: usize| match left(output) {
             left if left <= 1.0 => Cause::Own,
+            left if left > self.moves(output) => Cause::Runaway(drives()),
             _ => Cause::Drives(drives(), brought[output].sqrt()),
         };
         let own = self.loudest(stage).filter(|_| (0..brought.len()).all(is_noise)).map(|output| NotWhite {
@@ -153,8 +161,8 @@ impl Problem {
 
     /// How far an output goes about its mean in the training records, rms over its noise.
     pub(super) fn moves(&self, output: usize) -> f64 {
-        let moved = self.train.iter().flat_map(|record| about_mean(&record.outputs[output]));
-        mean(&moved.map(|own| own.powi(2)).collect::<Vec<_>>()).sqrt() / self.sigma[output]
+        rms_about_means(self.train.iter().map(|record| record.outputs[output].as_slice()))
+            / self.sigma[output]
     }
 
     /// The output of which most is left.
@@ -261,7 +269,13 @@ fn likelihood(tracks: &[(&[f64], f64)], time: f64, variance: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
+    use serde_json::json;
+
     use super::*;
+    use crate::gap::Experiment;
+    use crate::patch::Edit;
 
     fn slow(seed: u64, keeps: f64, variance: f64) -> Vec<f64> {
         let drawn = normal(seed, 2000);
@@ -286,6 +300,26 @@ mod tests {
         assert!(likely > 300.0 && (0.08..=0.32).contains(&seconds), "{likely} {seconds}");
         let (likely, _) = best(&normal(5, 2000));
         assert!(likely < 3.0, "{likely}");
+    }
+
+    #[test]
+    fn a_patch_that_runs_away_is_told_as_that() {
+        let path = Path::new("tests/gap/hidden/nothing/experiment.json");
+        let mut experiment = Experiment::read(path).unwrap_or_else(|error| panic!("{error}"));
+        let turned = [
+            Edit::new("elements/BX", json!({"kind": "inverter", "in": "IX"})),
+            Edit::new("elements/PK/in", json!("BX")),
+        ];
+        experiment.patch = experiment.patch.edited("turned.json", &turned).unwrap();
+        for (record, place) in experiment.train.iter_mut().chain(&mut experiment.test).zip(0..) {
+            record.drives.iter_mut().chain(&mut record.outputs).for_each(|column| column.truncate(400));
+            let noise = normal(place, 400);
+            record.drives[0].iter_mut().zip(noise).for_each(|(force, noise)| *force += 0.05 * noise);
+        }
+        let problem = Problem::of(&experiment).unwrap();
+        let base = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
+        let own = problem.not_white(&base, 2).unwrap().unwrap();
+        assert_eq!(own.cause, Cause::Runaway(vec!["F".to_owned()]), "{}", own.sentence());
     }
 
     /// Of two neighbours the likelihood is that of a plane of normal numbers.

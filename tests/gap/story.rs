@@ -54,7 +54,7 @@ fn found_near(outcome: &Outcome, truth: &[(&str, f64)], share: f64) {
     let stage = outcome.told();
     for (name, wanted) in truth {
         let place = stage.version.fit.iter().position(|own| own == name);
-        let Some(place) = place else { continue };
+        let place = place.unwrap_or_else(|| panic!("{name} is not fitted"));
         let value = stage.train.point.knobs[place];
         assert!((value - wanted).abs() < share * wanted, "{name}: {value}, not {wanted}");
     }
@@ -146,7 +146,7 @@ fn from_fig_8_14_the_memory_is_named_where_the_thesis_has_it() {
     let effects = document["effects"].as_array().unwrap();
     assert_eq!(effects.len(), 1);
     assert_eq!((&effects[0]["name"], &effects[0]["junction"]), (&json!("friction-memory"), &json!("X1")));
-    found_near(&found, &TRUTH, 0.01);
+    found_near(&found, &TRUTH[2..], 0.01);
     assert!(found.base.gap() > 20.0 && found.told().gap() < 0.5);
     // Behind the square it would be another law.
     let behind = found.rounds[0].trials.iter().find(|trial| trial.candidate.junction == "M1").unwrap();
@@ -173,11 +173,10 @@ fn from_fig_8_4_in_two_steps_friction_that_falls_comes_first_and_memory_then() {
     // The friction of the first step is needless now.
     let Stage { version, train, .. } = second.told();
     let mut values: Vec<_> = version.fit.iter().map(String::as_str).zip(train.point.knobs.clone()).collect();
-    for (name, value) in &mut values {
-        if ["dF", "Fc"].contains(name) {
-            assert!(*value < 0.02 * 771.0, "{name}: {value}");
-            *value = 0.0;
-        }
+    for needless in ["dF", "Fc"] {
+        let (_, value) = values.iter_mut().find(|(name, _)| *name == needless).unwrap();
+        assert!(*value < 0.02 * 771.0, "{needless}: {value}");
+        *value = 0.0;
     }
     let found = commanded(&version.patch, &values);
     let near = apart(&found, &commanded(&thesis("fig-8-16"), &TRUTH));

@@ -347,8 +347,8 @@ mod tests {
     const SAMPLES: usize = 201;
     const INTERVAL: f64 = 0.01;
     const STEPS: u32 = 4;
-    /// A force swings the mass through its play and far beyond.
     const KNOTS: usize = 11;
+    /// It swings the mass through its play and far beyond.
     const FORCE: [f64; KNOTS] = [2.0, 30.0, -20.0, 10.0, 40.0, -50.0, 0.0, 25.0, -30.0, 5.0, 1.0];
 
     fn knot(place: usize) -> f64 {
