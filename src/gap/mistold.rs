@@ -11,8 +11,8 @@ use crate::patch::Patch;
 
 /// Something is told wrongly where told otherwise it leaves no more than such a share of the gap, in rms.
 const FAR_LESS: f64 = 0.2;
-/// Units are in question where of an output more is left than this share of how far it moves, in rms.
-const HARDLY: f64 = 0.5;
+/// A patch hardly explains an output, and units are in question, where of it more is left than this share of how far it moves, in rms.
+pub(super) const HARDLY: f64 = 0.5;
 /// What prefixes of units differ by.
 const THOUSAND: f64 = 1e3;
 

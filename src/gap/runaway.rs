@@ -1,6 +1,9 @@
 //! A patch that runs away from the data, as where a sign in one of its loops is wrong: what it lacks cannot be told from there.
 
+use std::iter::successors;
+
 use super::fit::Task;
+use super::mistold::HARDLY;
 use super::model::ModelError;
 use super::normal::Column;
 use super::problem::Problem;
@@ -10,10 +13,12 @@ use crate::instruments::number;
 
 /// What little is changed at the beginning of a record grows by more than this factor where a patch runs away,
 const GROWTH: f64 = 1e3;
-/// from what it comes to in the first of so many parts of the record. Integrators in a row that hold each at its initial voltage let a
-/// change grow by a power of that number, too, and do not run away.
-const PARTS: usize = 16;
-/// The first part of a record has so many samples at least; of a shorter one nothing is said.
+/// from the first part of a record to so many times that.
+const LONGER: usize = 16;
+/// Integrators in a row that hold each at its initial voltage let a change grow by a power of that number, too, or of less than this, as
+/// samples are counted from 0, and do not run away.
+const IN_A_ROW: f64 = 2.0 * LONGER as f64;
+/// The first part has so many samples at least; of a record too short for that nothing is said.
 const LEAST_SAMPLES: usize = 4;
 
 /// What is to be done about it, in words.
@@ -24,8 +29,10 @@ pub(super) const ADVICE: &str = "look at the signs in its loops, or write \"piec
 pub struct Runaway {
     /// The output from which it goes farthest.
     pub output: String,
-    /// What is left of that, rms about the mean over its noise; more than it moves by.
+    /// What is left of that, rms about the mean over its noise,
     pub left: f64,
+    /// and how far it moves.
+    pub moves: f64,
     /// By more than this factor a change of an initial voltage grows in it.
     pub growth: f64,
 }
@@ -33,16 +40,16 @@ pub struct Runaway {
 impl Runaway {
     /// The same in words.
     pub fn sentence(&self) -> String {
-        let Runaway { output, left, growth } = self;
-        let [left, growth] = [left, growth].map(|own| number(*own));
+        let Runaway { output, left, moves, growth } = self;
+        let [left, moves, growth] = [left, moves, growth].map(|own| number(*own));
         format!(
-            "the patch runs away: it leaves {left} times the noise of {output}, more than {output} moves, and what is changed of its initial voltages grows more than {growth} times: {ADVICE}"
+            "the patch runs away: it leaves {left} times the noise of {output}, which moves by {moves}, and what is changed of its initial voltages grows more than {growth} times: {ADVICE}"
         )
     }
 }
 
 impl Problem {
-    /// That a stage far from the data runs away from an output of which it leaves more than that moves.
+    /// That a stage far from the data runs away from an output that it hardly explains.
     ///
     /// # Errors
     /// When the patch cannot be run beside the records.
@@ -51,19 +58,25 @@ impl Problem {
         let left = |output: usize| {
             rms_about_means(stage.train.residuals.iter().map(|record| record[output].as_slice()))
         };
-        let mut lost: Vec<usize> = all.filter(|output| left(*output) > self.moves(*output)).collect();
+        let mut lost: Vec<usize> =
+            all.filter(|output| left(*output) > HARDLY * self.moves(*output)).collect();
         if lost.is_empty() || !stage.is_far() {
             return Ok(None);
         }
         lost.sort_by(|a, b| left(*b).total_cmp(&left(*a)));
         let model = self.model(&stage.version, &self.train, &self.outputs)?;
         let responses = responses(&self.task(&model, &self.train, false), stage);
-        let growth = GROWTH.max((PARTS as f64).powi(model.initial.len() as i32 - 1));
+        let growth = GROWTH.max(IN_A_ROW.powi(model.initial.len() as i32 - 1));
         let grows = |output: &usize| {
             responses.iter().any(|record| record[*output].iter().any(|own| grows(&own.1, growth)))
         };
         let away = lost.into_iter().find(grows);
-        Ok(away.map(|output| Runaway { output: self.outputs[output].clone(), left: left(output), growth }))
+        Ok(away.map(|output| Runaway {
+            output: self.outputs[output].clone(),
+            left: left(output),
+            moves: self.moves(output),
+            growth,
+        }))
     }
 }
 
@@ -74,13 +87,13 @@ fn responses(task: &Task<'_>, stage: &Stage) -> Vec<Vec<Vec<Column>>> {
     courses.iter().enumerate().map(|(record, course)| task.responses(&at, record, course)).collect()
 }
 
-/// Whether a response grows by more than a factor from the first part of its record. One that is nothing there, as behind a delay, only
-/// begins later.
+/// Whether a response grows by more than a factor from some first part of its record to a longer one: by its end it may have come to where
+/// amplifiers stop. One that is nothing at first, as behind a delay, only begins later.
 fn grows(response: &[f64], factor: f64) -> bool {
-    let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
-    let first = response.len() / PARTS;
-    let before = largest(&response[..first]);
-    first >= LEAST_SAMPLES && before > 0.0 && largest(response) > factor * before
+    let largest = |count: usize| response[..count].iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+    let firsts = successors(Some(LEAST_SAMPLES), |first| Some(2 * first));
+    let mut firsts = firsts.take_while(|first| LONGER * first <= response.len());
+    firsts.any(|first| largest(first) > 0.0 && largest(LONGER * first) > factor * largest(first))
 }
 
 #[cfg(test)]
@@ -111,9 +124,11 @@ mod tests {
     fn what_grows_by_more_than_integrators_in_a_row_runs_away() {
         let times = || (0..160).map(f64::from);
         let exponential: Vec<f64> = times().map(|time| (0.1 * time).exp()).collect();
-        assert!(grows(&exponential, GROWTH));
+        let stopped: Vec<f64> =
+            times().map(|time| if time < 70.0 { (0.2 * time).exp() } else { 0.0 }).collect();
+        assert!(grows(&exponential, GROWTH) && grows(&stopped, GROWTH));
         let cubic: Vec<f64> = times().map(|time| time.powi(3)).collect();
-        assert!(grows(&cubic, GROWTH) && !grows(&cubic, (PARTS as f64).powi(4)));
+        assert!(grows(&cubic, GROWTH) && !grows(&cubic, IN_A_ROW.powi(3)));
         // What only begins later, and what is too short to tell.
         let late: Vec<f64> = times().map(|time| f64::from(time > 20.0)).collect();
         assert!(!grows(&late, GROWTH) && !grows(&[0.0, 1e-9, 1.0, 1e9], GROWTH));
