@@ -54,27 +54,30 @@ impl Problem {
     /// # Errors
     /// When the patch cannot be run beside the records.
     pub(super) fn runaway(&self, stage: &Stage) -> Result<Option<Runaway>, ModelError> {
-        let all = 0..self.outputs.len();
-        let left = |output: usize| {
-            rms_about_means(stage.train.residuals.iter().map(|record| record[output].as_slice()))
-        };
-        let mut lost: Vec<usize> =
-            all.filter(|output| left(*output) > HARDLY * self.moves(*output)).collect();
-        if lost.is_empty() || !stage.is_far() {
+        if !stage.is_far() {
             return Ok(None);
         }
-        lost.sort_by(|a, b| left(*b).total_cmp(&left(*a)));
+        let against = |output: usize| {
+            let left = rms_about_means(stage.train.residuals.iter().map(|record| record[output].as_slice()));
+            (output, left, self.moves(output))
+        };
+        let mut lost: Vec<(usize, f64, f64)> = (0..self.outputs.len()).map(against).collect();
+        lost.retain(|(_, left, moves)| *left > HARDLY * moves);
+        if lost.is_empty() {
+            return Ok(None);
+        }
+        lost.sort_by(|a, b| b.1.total_cmp(&a.1));
         let model = self.model(&stage.version, &self.train, &self.outputs)?;
         let responses = responses(&self.task(&model, &self.train, false), stage);
         let growth = GROWTH.max(IN_A_ROW.powi(model.initial.len() as i32 - 1));
-        let grows = |output: &usize| {
+        let is_away = |(output, ..): &(usize, f64, f64)| {
             responses.iter().any(|record| record[*output].iter().any(|own| grows(&own.1, growth)))
         };
-        let away = lost.into_iter().find(grows);
-        Ok(away.map(|output| Runaway {
+        let away = lost.into_iter().find(is_away);
+        Ok(away.map(|(output, left, moves)| Runaway {
             output: self.outputs[output].clone(),
-            left: left(output),
-            moves: self.moves(output),
+            left,
+            moves,
             growth,
         }))
     }

@@ -21,12 +21,12 @@ use super::library;
 /// What patches/story/slide.py made the data with, by the names of Fig 8.16.
 const TRUTH: [(&str, f64); 6] =
     [("M", 433.0), ("K", 45e6), ("f", 10.7e3), ("Fs", 771.0), ("VcL", 10.16e-3), ("Tc", 6.5e-3)];
-/// Parameters of Fig 8.4, and of friction that remembers beside friction that falls.
-const BESIDE_FALLING: [(&str, f64); 6] =
-    [("M", 433.0), ("K", 45e6), ("f", 10.7e3), ("dF_1", 771.0), ("V0", 10.16e-3), ("Tc", 6.5e-3)];
 /// The same by the names of Fig 8.4 with friction that remembers.
 const RENAMED: [(&str, f64); 7] =
     [("M", 433.0), ("K", 45e6), ("f", 10.7e3), ("dF", 771.0), ("V0", 10.16e-3), ("Tc", 6.5e-3), ("Fc", 0.0)];
+/// The same where friction that falls stands in the patch already.
+const BESIDE_FALLING: [(&str, f64); 6] =
+    [("M", 433.0), ("K", 45e6), ("f", 10.7e3), ("dF_1", 771.0), ("V0", 10.16e-3), ("Tc", 6.5e-3)];
 
 fn experiment(figure: &str) -> Experiment {
     let file = format!("patches/story/from-{figure}.experiment.json");

@@ -25,7 +25,7 @@ const NEAR: [f64; 3] = [0.1, 0.01, 1e-4];
 /// A knot takes so many samples at least.
 const LEAST_SAMPLES: usize = 3;
 /// The voltage by which numbers are moved for derivatives.
-const PUSH: f64 = 1e-3;
+pub(super) const PUSH: f64 = 1e-3;
 /// A force acts where it comes to so many standard errors,
 const STANDS_OUT: f64 = 3.0;
 /// and beside that as long as it has one sign and comes to more than one of them, and to such a share of its largest value: less

@@ -337,9 +337,9 @@ mod tests {
 
     use super::*;
     use crate::circuit::Circuit;
-    use crate::gap::fit::{Ladder, MOST_ROUNDS, SETTLED_SHARE};
-    use crate::gap::model::Model;
-    use crate::gap::record::Record;
+    use crate::gap::stage::Version;
+    use crate::gap::steps::tests::measured;
+    use crate::gap::whereabouts::junction::PUSH;
     use crate::patch::Patch;
     use crate::program::Program;
     use crate::solve::{self, RunSettings};
@@ -401,36 +401,23 @@ mod tests {
 
     /// What a force at a knot, and the pot, do to both outputs, by the differences that the search takes.
     fn by_differences(patch: &Patch, place: usize) -> Vec<DMatrix<f64>> {
-        let record = Record {
-            name: "record".to_owned(),
-            begin: 0.0,
-            since: 0.0,
-            interval: INTERVAL,
-            jitter: 0.0,
-            drives: Vec::new(),
-            outputs: vec![vec![0.0; SAMPLES]; 2],
-        };
-        let (records, outputs) = ([record], ["x", "v"].map(str::to_owned));
-        let model = Model::new(patch, &records, &[], &["p".to_owned()], &[], &outputs, STEPS).unwrap();
-        let task = Task {
-            model: &model,
-            records: &records,
-            sigma: &[1.0; 2],
-            offset: &[false; 2],
-            turns: true,
-            held: None,
-            wanted: f64::INFINITY,
-            most_rounds: MOST_ROUNDS,
-            settled: SETTLED_SHARE,
-            dampings: Ladder::MANY,
-        };
+        let mut problem = measured("x", vec![0.0; SAMPLES], 1.0, STEPS);
+        problem.outputs.push("v".to_owned());
+        problem.sigma.push(1.0);
+        problem.offset.push(false);
+        problem.train[0].interval = INTERVAL;
+        problem.train[0].outputs.push(vec![0.0; SAMPLES]);
+        let fit = vec!["p".to_owned()];
+        let version = Version { patch: patch.clone(), fit, free: Vec::new(), steps: STEPS };
+        let model = problem.model(&version, &problem.train, &problem.outputs).unwrap();
+        let task = problem.task(&model, &problem.train, true);
         let groups = (0..KNOTS).map(|own| (knot(own), vec![(own, 1.0)])).collect();
         let shape = Shape { groups: vec![KNOTS], records: vec![groups] };
         let home = Point { knobs: vec![0.0], initial: vec![vec![0.0; 2]], offsets: vec![0.0; 2] };
         let sought = Sought {
             task,
             table: Table::Drive("force"),
-            push: 1e-3,
+            push: PUSH,
             shape: &shape,
             home: &home,
             without: f64::INFINITY,
