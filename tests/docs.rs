@@ -156,7 +156,7 @@ fn the_search_is_as_good_as_it_has_to_be() {
         ("named at the right place", [98.0, 100.0]),
         ("the same where the library's law is hidden: within 10 %", [90.0, 100.0]),
         ("the same where the library's law is hidden: the true value in the interval of 95 %", [90.0, 98.0]),
-        ("data held back, after naming: within 10 % of the noise", [90.0, 100.0]),
+        ("data held back, after naming: within 10 % of what the true laws leave", [90.0, 100.0]),
     ];
     for (what, [least, most]) in limits {
         let told: f64 = page[what].split_once(" %").unwrap().0.parse().unwrap();

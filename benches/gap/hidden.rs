@@ -22,6 +22,8 @@ pub struct Truth {
     pub effects: Vec<Effect>,
     /// The rms that the best base leaves, over sigma.
     pub egnr: f64,
+    /// The rms that the true laws leave of the data held back, over sigma.
+    pub held_out: f64,
 }
 
 /// An effect that is hidden.
@@ -76,6 +78,7 @@ impl Hidden {
             what: word(&told["truth"]),
             effects: effects.map(effect).collect(),
             egnr: told["egnr"].as_f64().unwrap_or_default(),
+            held_out: told["true_laws_leave_of_test"].as_f64().ok_or("a truth tells no noise")?,
         })
     }
 }

@@ -23,7 +23,8 @@
  * each record; forces of chance are others in every record. With two outputs EGNR is the rms over both, each over its sigma.
  * "egnr_without" of one of two effects is what the best base leaves that has the other, with its true numbers; of a friction that
  * falls, grows or yields, what the best base with Coulomb friction leaves; of a memory, what its friction leaves without it. It is
- * at least 15 % of EGNR, so that the effect is there to be found.
+ * at least 15 % of EGNR, so that the effect is there to be found. "true_laws_leave_of_test" is the rms over sigma of the noise that
+ * the test records were given.
  *
  * Names, parameters and signs are those of patches/effects; shapes are others. A friction that the base has acts in the effect: on
  * a base with Coulomb friction Stribeck's is the fall alone, growth and yielding have the base's level, and memory makes the falling

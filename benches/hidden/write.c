@@ -92,6 +92,17 @@ static void write_start(FILE *file, const struct hidden_case *c, const char *nam
     fprintf(file, "},\n");
 }
 
+/* What the true laws leave of a record: rms over its outputs, each over its sigma. */
+static double true_laws_leave(const struct hidden_case *c, const struct record *r) {
+    double sum = 0;
+    for (int k = 0; k < c->fit.outputs; k++)
+        for (int i = 0; i < r->n; i++) {
+            double left = (r->noisy[k][i] - c->offset[k] - r->out[c->fit.first_output + k][i]) / c->sigma[k];
+            sum += left * left;
+        }
+    return sqrt(sum / (r->n * c->fit.outputs));
+}
+
 static void write_truth(const struct hidden_case *c, const char *path) {
     FILE *file = opened(path);
     fprintf(file, "{\n  \"case\": %d,\n  \"seed\": %llu,\n  \"system\": \"%s\",\n", c->number, (unsigned long long)c->seed, c->plan.system->name);
@@ -103,7 +114,8 @@ static void write_truth(const struct hidden_case *c, const char *path) {
     for (int k = 0; k < c->fit.outputs; k++)
         fprintf(file, "%s\n    \"%s\": {\"sigma\": %.10g, \"quantum\": %.10g, \"offset\": %.10g, \"base_leaves\": %.10g}", k ? "," : "", output_name(c, k),
                 c->sigma[k], c->quantum[k], c->offset[k], c->best.rms[k]);
-    fprintf(file, "\n  },\n  \"egnr_asked\": %.6g,\n  \"egnr\": %.6g\n}\n", c->plan.count ? c->target : 0, c->egnr);
+    fprintf(file, "\n  },\n  \"egnr_asked\": %.6g,\n  \"egnr\": %.6g,\n", c->plan.count ? c->target : 0, c->egnr);
+    fprintf(file, "  \"true_laws_leave_of_test\": %.6g\n}\n", true_laws_leave(c, &c->test));
     closed(file, path);
 }
 

@@ -116,11 +116,12 @@ impl Outcome {
         let doubted = doubted.filter(|place| !beyond.contains(place));
         let before = doubted.map(|place| {
             let at = told(&self.base, place);
-            match is_missing {
-                false => format!(
+            match (is_missing, self.base.train.point.knobs[place] == 0.0) {
+                (false, _) => format!(
                     "The patch is fitted best with {at}: that value may stand in for something that is missing."
                 ),
-                true => format!("The patch as it was is fitted best with {at}: what seems to be missing may be a value beyond it."),
+                (true, false) => format!("The patch as it was is fitted best with {at}: what seems to be missing may be a value beyond it."),
+                (true, true) => format!("The patch as it was is fitted best with {at}: what seems to be missing may be the sign that it is wired in with, if that is wrong."),
             }
         });
         let beside = self.last.newly_at_end(&self.base).filter(|_| self.verdict.has_names()).map(|place| {

@@ -70,14 +70,15 @@ impl Problem {
     pub(super) fn steps(&self, patch: &Patch, fit: &[String]) -> Result<u32, ModelError> {
         let version = Version { patch: patch.clone(), fit: fit.to_vec(), free: Vec::new(), steps: 1 };
         let at = Point::of(&self.model(&version, &self.train, &self.outputs)?, self.outputs.len());
-        if let Some(steps) = self.fine_enough(&version, &at, 1.0)? {
+        let errors = self.errors(&version, &at, wanted(1.0))?;
+        if let Some(steps) = fewest(&errors, wanted(1.0)) {
             return Ok(steps);
         }
         let finest =
             self.model(&Version { steps: MOST_STEPS, ..version.clone() }, &self.train, &self.outputs)?;
         let stands = self.task(&finest, &self.train, false).told(&at);
-        let beside = stands.map(|stands| self.fine_enough(&version, &at, stands.over_noise()));
-        Ok(beside.transpose()?.flatten().unwrap_or(MOST_STEPS))
+        let beside = stands.and_then(|stands| fewest(&errors, wanted(stands.over_noise())));
+        Ok(beside.unwrap_or(MOST_STEPS))
     }
 
     /// A stage fitted again with finer steps, where the solver errs by too much at the point that it came to; nothing where it
@@ -90,7 +91,8 @@ impl Problem {
         for _ in 0..MOST_REFINED {
             let own = refined.as_ref().unwrap_or(stage);
             let (version, point) = (&own.version, &own.train.point);
-            let steps = self.fine_enough(version, point, own.train.over_noise())?;
+            let enough = wanted(own.train.over_noise());
+            let steps = fewest(&self.errors(version, point, enough)?, enough);
             let Some(steps) = steps.filter(|steps| *steps > version.steps) else { break };
             let again = self.again(own, Version { steps, ..version.clone() }, point.clone())?;
             let Some(again) = again else { break };
@@ -99,18 +101,17 @@ impl Problem {
         Ok(refined)
     }
 
-    /// The fewest steps, those of a version or twice, four times as many, with which the solver errs in no record by more than a
-    /// tenth of the noise, or of what is left over that, beside twice as many; nothing where none do.
-    fn fine_enough(&self, version: &Version, at: &Point, left: f64) -> Result<Option<u32>, ModelError> {
+    /// Steps, those of a version and twice, four times as many until the solver errs by little enough, each with what it errs by at
+    /// most in a record beside twice as many, rms over the noise.
+    fn errors(&self, version: &Version, at: &Point, enough: f64) -> Result<Vec<(u32, f64)>, ModelError> {
         let (mut steps, mut coarse) = (version.steps, self.stepped(version, at, version.steps)?);
-        while steps < MOST_STEPS {
+        let mut errors = Vec::new();
+        while steps < MOST_STEPS && fewest(&errors, enough).is_none() {
             let fine = self.stepped(version, at, 2 * steps)?;
-            if self.error(coarse.as_deref(), fine.as_deref()) < wanted(left) {
-                return Ok(Some(steps));
-            }
+            errors.push((steps, self.error(coarse.as_deref(), fine.as_deref())));
             (steps, coarse) = (2 * steps, fine);
         }
-        Ok(None)
+        Ok(errors)
     }
 
     /// What a version gives at a point with so many steps; nothing where a record cannot be run.
@@ -136,6 +137,11 @@ impl Problem {
         let errs = pairs.map(|((coarse, fine), sigma)| rms_difference(coarse, fine) / sigma);
         errs.fold(0.0, f64::max)
     }
+}
+
+/// The fewest steps with which the solver errs by little enough; nothing where none do.
+fn fewest(errors: &[(u32, f64)], enough: f64) -> Option<u32> {
+    errors.iter().find(|(_, error)| *error < enough).map(|(steps, _)| *steps)
 }
 
 /// What the solver may err by where so much is left, both rms over the noise.

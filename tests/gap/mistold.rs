@@ -76,6 +76,17 @@ fn no_effect_is_named_for_times_in_another_unit() {
         }
     });
     // Three standard errors of 400 samples.
-    assert_eq!(mistold(&found, 0.1).otherwise, Otherwise::Times);
-    assert!(found.sentence().ends_with("look at the unit of \"time\", which is s where none is told"));
+    assert_eq!(mistold(&found, 0.1).otherwise, Otherwise::ThousandthOfTimes);
+    assert!(found.sentence().ends_with(
+        "look at the unit of \"time\", which is s where none is told, and at what makes the patch quick or slow: jacks of integrators, units of parameters"
+    ));
+}
+
+#[test]
+fn no_effect_is_named_for_times_that_are_too_short() {
+    let found = spoilt("nothing", |experiment: &mut Experiment| {
+        let records = experiment.train.iter_mut().chain(&mut experiment.test);
+        records.for_each(|record| record.interval *= 1e-3);
+    });
+    assert_eq!(mistold(&found, 0.05).otherwise, Otherwise::ThousandfoldTimes);
 }
