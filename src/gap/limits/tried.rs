@@ -7,6 +7,8 @@ use crate::gap::model::Model;
 
 /// Strengths that are tried on either side of none, as shares of the way to the end of the range.
 const STRENGTHS: [f64; 11] = [6e-5, 2.5e-4, 1e-3, 4e-3, 0.016, 0.06, 0.25, 0.5, 0.8, 0.93, 1.0];
+/// So many are run side by side.
+const AT_ONCE: usize = 4;
 /// Where the margin grows with more than such a power of the strength,
 const STEEP: f64 = 4.0;
 /// so often more strengths are tried,
@@ -66,19 +68,23 @@ impl Tried<'_> {
     fn margins(&self, home: f64, end: f64, shares: &[f64]) -> Vec<Margin> {
         let candidate = self.candidate;
         let with = |strength: f64| [&[strength], self.rest].concat();
-        let strengths: Vec<Vec<f64>> = shares.iter().map(|share| with(home + share * (end - home))).collect();
         let none = candidate.none.map(with);
         let states = candidate.graft.free.len();
         let halves = [&self.ground.train, &self.ground.test];
-        let [train, test] =
-            [0, 1].map(|half| halves[half].changes(&self.models[half], &strengths, none.clone(), states));
         let mut margins = Vec::new();
-        for ((share, train), test) in shares.iter().zip(train).zip(test) {
-            let (Some(train), Some(test)) = (train, test) else { continue };
-            let margin = self.margin(&[train, test]);
-            margins.push((*share, margin));
-            if margin >= 1.0 {
-                break;
+        // Where a weak one shows, none of the strong ones are run, which take long to go astray.
+        for shares in shares.chunks(AT_ONCE) {
+            let strengths = shares.iter().map(|share| with(home + share * (end - home)));
+            let strengths: Vec<Vec<f64>> = strengths.collect();
+            let [train, test] =
+                [0, 1].map(|half| halves[half].changes(&self.models[half], &strengths, none.clone(), states));
+            for ((share, train), test) in shares.iter().zip(train).zip(test) {
+                let (Some(train), Some(test)) = (train, test) else { continue };
+                let margin = self.margin(&[train, test]);
+                margins.push((*share, margin));
+                if margin >= 1.0 {
+                    return margins;
+                }
             }
         }
         margins
