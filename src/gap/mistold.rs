@@ -15,7 +15,7 @@ const FAR_LESS: f64 = 0.2;
 pub(super) const HARDLY: f64 = 0.5;
 /// Times a thousand times as long are looked at where the solver takes no more steps from sample to sample: more take long, and lead to
 /// nothing.
-const MOST_STEPS: u32 = 4;
+const FEW_STEPS: u32 = 4;
 /// What prefixes of units differ by.
 const THOUSAND: f64 = 1e3;
 
@@ -105,7 +105,7 @@ impl Problem {
         let mut best: Option<Mistold> = None;
         for otherwise in all {
             let told = few.told_otherwise(&otherwise, patch, fit)?;
-            if otherwise == Otherwise::ThousandfoldTimes && told.steps > MOST_STEPS {
+            if otherwise == Otherwise::ThousandfoldTimes && told.steps > FEW_STEPS {
                 continue;
             }
             let Some(stage) = told.base(patch, fit, seed)? else { continue };

@@ -7,7 +7,7 @@ use super::tried::Tried;
 use crate::gap::candidate::Candidate;
 use crate::gap::directions::product;
 use crate::gap::fit::Point;
-use crate::gap::model::ModelError;
+use crate::gap::model::{Model, ModelError};
 use crate::gap::parameter_values::ParameterValues;
 use crate::gap::problem::Problem;
 use crate::gap::round::{Bar, CONFIRMED};
@@ -53,7 +53,8 @@ impl<'a> Ground<'a> {
         let numbers = version.fit.len() - self.before.version.fit.len();
         let need = self.need(numbers);
         let found = variants(candidate).into_iter().filter_map(|rest| {
-            let tried = Tried { ground: self, models: &models, candidate, rest: &rest, need };
+            let without = self.without(&models, candidate, &rest);
+            let tried = Tried { ground: self, models: &models, candidate, rest: &rest, need, without };
             tried.least().map(|(value, share)| (value, share, rest.clone()))
         });
         let least = found.min_by(|a, b| a.1.total_cmp(&b.1));
@@ -71,6 +72,18 @@ impl<'a> Ground<'a> {
                 beside.map(|(own, value)| (own.of.clone(), *value, own.unit.clone())).collect(),
             ),
         })
+    }
+
+    /// Of both halves, by record, what there is without an effect whose other parameters are told.
+    fn without(
+        &self,
+        models: &[Model; 2],
+        candidate: &Candidate,
+        rest: &[f64],
+    ) -> [Vec<Option<Vec<f64>>>; 2] {
+        let none = candidate.none.map(|none| [&[none], rest].concat());
+        let halves = [&self.train, &self.test];
+        [0, 1].map(|half| halves[half].without(&models[half], none.as_deref(), candidate.graft.free.len()))
     }
 
     /// The sum of squares over noise that a trial with so many numbers more must take away.

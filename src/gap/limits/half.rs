@@ -136,35 +136,55 @@ impl<'a> Half<'a> {
         if high < NUDGE { -NUDGE } else { NUDGE }
     }
 
-    /// What changes with each of some strengths, beside none where that is one.
+    /// A record with what an effect brings, its own initial voltages at none.
+    fn wired(&self, record: usize, brought: &[f64], own_states: usize) -> Choice {
+        Choice {
+            knobs: [self.point.knobs.as_slice(), brought].concat(),
+            initial: [self.point.initial[record].as_slice(), &vec![0.0; own_states]].concat(),
+        }
+    }
+
+    /// By record, what the patch does with an effect of no strength; what it does as it is where there is no such. Nothing where it
+    /// cannot be run so.
+    pub(super) fn without(
+        &self,
+        model: &Model,
+        none: Option<&[f64]>,
+        own_states: usize,
+    ) -> Vec<Option<Vec<f64>>> {
+        let at_none = |record: usize, none: &[f64]| {
+            let course = model.run(record, &[self.wired(record, none, own_states)]).pop().flatten()?;
+            Some(self.over_noise(record, &course))
+        };
+        let by_record = self.spans.iter().enumerate().map(|(record, span)| match none {
+            Some(none) => at_none(record, none),
+            None => Some(self.here[span.clone()].to_vec()),
+        });
+        by_record.collect()
+    }
+
+    /// What changes with each of some strengths, beside what there is without.
     pub(super) fn changes(
         &self,
         model: &Model,
         strengths: &[Vec<f64>],
-        none: Option<Vec<f64>>,
+        without: &[Option<Vec<f64>>],
         own_states: usize,
     ) -> Vec<Option<Change>> {
         let mut changes: Vec<Option<Change>> = strengths.iter().map(|_| Some(Change::default())).collect();
-        let wired = |record: usize, brought: &Vec<f64>, moved: Option<usize>| {
-            let mut own = vec![0.0; own_states];
-            moved.into_iter().for_each(|place| own[place] += self.nudge(model, place));
-            Choice {
-                knobs: [self.point.knobs.as_slice(), brought].concat(),
-                initial: [self.point.initial[record].as_slice(), &own].concat(),
-            }
-        };
-        for record in 0..self.records.len() {
-            let without = none.iter().map(|none| wired(record, none, None));
+        let first_own = self.point.initial[0].len();
+        for (record, here) in without.iter().enumerate() {
             let lanes = strengths.iter().flat_map(|strength| {
                 let moved = [None].into_iter().chain((0..own_states).map(Some));
-                moved.map(move |moved| wired(record, strength, moved))
+                moved.map(move |moved| {
+                    let mut own = self.wired(record, strength, own_states);
+                    moved
+                        .into_iter()
+                        .for_each(|place| own.initial[first_own + place] += self.nudge(model, place));
+                    own
+                })
             });
-            let choices: Vec<Choice> = without.chain(lanes).collect();
-            let mut courses = model.run(record, &choices).into_iter();
-            let here = match none.is_some() {
-                true => courses.next().flatten().map(|course| self.over_noise(record, &course)),
-                false => Some(self.here[self.spans[record].clone()].to_vec()),
-            };
+            let mut courses = model.run(record, &lanes.collect::<Vec<_>>()).into_iter();
             let mut next = || courses.next().flatten().map(|course| self.over_noise(record, &course));
             for change in &mut changes {
                 let with = next();

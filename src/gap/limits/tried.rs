@@ -23,6 +23,8 @@ pub(super) struct Tried<'a> {
     pub(super) candidate: &'a Candidate,
     pub(super) rest: &'a [f64],
     pub(super) need: f64,
+    /// Of both halves, by record, what there is without it.
+    pub(super) without: [Vec<Option<Vec<f64>>>; 2],
 }
 
 impl Tried<'_> {
@@ -66,18 +68,17 @@ impl Tried<'_> {
 
     /// Shares of the way to the end of a range and their margins, up to the first that shows.
     fn margins(&self, home: f64, end: f64, shares: &[f64]) -> Vec<Margin> {
-        let candidate = self.candidate;
         let with = |strength: f64| [&[strength], self.rest].concat();
-        let none = candidate.none.map(with);
-        let states = candidate.graft.free.len();
+        let states = self.candidate.graft.free.len();
         let halves = [&self.ground.train, &self.ground.test];
         let mut margins = Vec::new();
         // Where a weak one shows, none of the strong ones are run, which take long to go astray.
         for shares in shares.chunks(AT_ONCE) {
             let strengths = shares.iter().map(|share| with(home + share * (end - home)));
             let strengths: Vec<Vec<f64>> = strengths.collect();
-            let [train, test] =
-                [0, 1].map(|half| halves[half].changes(&self.models[half], &strengths, none.clone(), states));
+            let [train, test] = [0, 1].map(|half| {
+                halves[half].changes(&self.models[half], &strengths, &self.without[half], states)
+            });
             for ((share, train), test) in shares.iter().zip(train).zip(test) {
                 let (Some(train), Some(test)) = (train, test) else { continue };
                 let margin = self.margin(&[train, test]);
