@@ -167,6 +167,33 @@ fn overloads_are_the_same() {
     assert!((folded[0].time - reference[0].time).abs() < 1e-9 && folded[0].peak == 120.0);
 }
 
+/// Where nobody asks for lamps, kernels go on beyond ±100 V: past a summer and an integrator that are driven on, and back.
+#[test]
+fn runs_without_lamps_are_the_same() {
+    let sine = element("sine").set("amplitude", 60).set("frequency", 1);
+    let patch = volts("overloaded for a while")
+        .drive("u", "volt", sine)
+        .element("S", element("summer").cords("x2", ["u"]))
+        .element("A", element("integrator").cords("x1", ["S", "A"]))
+        .element("B", element("integrator").cords("x10", ["u"]))
+        .element("C", element("integrator").cords("x1", ["B", "S"]))
+        .build()
+        .unwrap();
+    let circuit = circuit(&patch, &[]);
+    let record = ["S", "A", "B", "C"].map(str::to_owned).to_vec();
+    let settings = RunSettings { every: 1.3e-3, record, ..RunSettings::of(&circuit).unwrap() }.lasting(2.0);
+    let program = Program::new(&circuit).unwrap();
+    let lit = trace(&program, &settings, Backend::Reference);
+    let overloaded: Vec<&str> = lit.overloads().map(|overload| overload.element.as_str()).collect();
+    assert_eq!(overloaded, ["S", "B"]);
+    let (folded, reference) = both(&program, &RunSettings { lamps: false, ..settings });
+    for trace in [folded, reference] {
+        assert!(difference(&trace, &lit) <= 1e-10);
+        assert_eq!(trace.overloads().count(), 0);
+        assert!((trace.tracks[2].courses[0].least.volts + 100.0).abs() <= 1e-12);
+    }
+}
+
 /// A ramp that two diodes turn where it passes 0, between two samples: its extreme is seen there.
 #[test]
 fn the_turn_of_a_ramp_is_seen() {

@@ -170,13 +170,14 @@ impl Model {
 
     /// Runs one record with several choices of knobs and initial voltages, side by side; nothing where a run had to stop.
     pub fn run(&self, record: usize, choices: &[Choice]) -> Vec<Option<Course>> {
-        self.run_each(record, choices.iter().map(|choice| (choice, None)), |_| true)
+        self.run_each(record, &self.settings[record], choices.iter().map(|choice| (choice, None)), |_| true)
     }
 
     /// The same, and nothing where an amplifier is overloaded.
     pub(super) fn run_within_range(&self, record: usize, choices: &[Choice]) -> Vec<Option<Course>> {
         let is_within = |trace: &Trace| trace.overloads().next().is_none();
-        self.run_each(record, choices.iter().map(|choice| (choice, None)), is_within)
+        let settings = self.with_lamps(record);
+        self.run_each(record, &settings, choices.iter().map(|choice| (choice, None)), is_within)
     }
 
     /// The same with points of a table for each choice.
@@ -188,7 +189,7 @@ impl Model {
     ) -> Vec<Option<Course>> {
         let runs = choices.chunks(TABLED).flat_map(|some| {
             let some = some.iter().map(|(choice, points)| (choice, Some((table, points.as_slice()))));
-            self.run_each(record, some, |_| true)
+            self.run_each(record, &self.settings[record], some, |_| true)
         });
         runs.collect()
     }
@@ -196,12 +197,17 @@ impl Model {
     /// The first overload of a record's run; nothing where there is none, or no run.
     pub(super) fn overload(&self, record: usize, choice: &Choice) -> Option<Overload> {
         let own = self.set_to(record, choice, None)?;
-        run_abreast(&[own], &self.settings[record]).pop()?.ok()?.overloads().next().cloned()
+        run_abreast(&[own], &self.with_lamps(record)).pop()?.ok()?.overloads().next().cloned()
+    }
+
+    fn with_lamps(&self, record: usize) -> RunSettings {
+        RunSettings { lamps: true, ..self.settings[record].clone() }
     }
 
     fn run_each<'c>(
         &self,
         record: usize,
+        settings: &RunSettings,
         choices: impl Iterator<Item = (&'c Choice, Option<(Table<'c>, &'c [[f64; 2]])>)>,
         counts: impl Fn(&Trace) -> bool,
     ) -> Vec<Option<Course>> {
@@ -213,7 +219,7 @@ impl Model {
             is_set
         });
         let set: Vec<bool> = set.collect();
-        let mut ended = run_abreast(&ready, &self.settings[record]).into_iter();
+        let mut ended = run_abreast(&ready, settings).into_iter();
         let course = |trace: Trace| self.course(record, &trace).filter(|_| counts(&trace));
         set.into_iter().map(|is_set| is_set.then(|| ended.next()?.ok().and_then(course)).flatten()).collect()
     }
@@ -358,6 +364,7 @@ fn plan(record: &Record, outputs: &[String], steps: u32) -> RunSettings {
         tolerance: None,
         every: record.interval,
         hold_on_overload: false,
+        lamps: false,
         record: outputs.to_vec(),
         sensitivities: Vec::new(),
         backend: Backend::default(),

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::WITHIN_RANGE;
 use super::fold::Folder;
 use super::form::{Atom, Factor, Form};
+use crate::machines::REFERENCE;
 use crate::program::{Guard, Lamp};
 
 /// What has to stay between two factors.
@@ -44,16 +45,23 @@ impl Folder<'_> {
 
     /// No guard lets anything happen.
     fn guards(&self) -> Vec<Bound> {
-        let modes = self.program.modes.iter().zip(self.modes);
+        let modes = self.program.modes.iter().zip(self.stance.modes);
         let open = modes.flat_map(|(mode, value)| mode.transitions.iter().filter(|open| open.from == *value));
         open.map(|open| self.closed(open.guard)).collect()
     }
 
-    /// Amplifiers stay within their range.
+    /// Amplifiers stay within their range, or beyond an end of it.
     fn ranges(&self) -> Vec<Bound> {
-        let [low, high] = [-WITHIN_RANGE, WITHIN_RANGE].map(Factor::Number);
-        let range = |lamp: &Lamp| Bound { of: self.of(lamp.demand).clone(), low, high };
-        self.program.lamps.iter().map(range).collect()
+        let range = |(lamp, side): (&Lamp, &i8)| {
+            let [low, high] = match side {
+                0 => [-WITHIN_RANGE, WITHIN_RANGE],
+                1.. => [REFERENCE, f64::INFINITY],
+                _ => [f64::NEG_INFINITY, -REFERENCE],
+            };
+            let [low, high] = [low, high].map(Factor::Number);
+            Bound { of: self.of(lamp.demand).clone(), low, high }
+        };
+        self.program.lamps.iter().zip(self.stance.overloads).map(range).collect()
     }
 
     fn closed(&self, guard: Guard) -> Bound {

@@ -1,11 +1,13 @@
 //! From a program, its modes and what is recorded to a kernel: sums are gathered, signs, gains, potentiometers and
-//! formulas become factors of the prologue, amplifiers are taken as not overloaded.
+//! formulas become factors of the prologue, amplifiers give what they are asked for, or an end of their range.
 
 use std::collections::HashMap;
 
+use super::Stance;
 use super::bounds::Bounds;
 use super::form::{Atom, Early, Factor, Form};
 use super::node::{Node, Operand};
+use crate::machines::REFERENCE;
 use crate::program::{Op, Program, Register};
 
 /// A program folded, before it is laid out.
@@ -47,12 +49,25 @@ const LONGEST: usize = 16;
 /// Sums are not gathered into what is more than so many times as large: what 100 V lose by rounding becomes 1e-11 V.
 const STEEP: f64 = 1e3;
 
-/// Folds a program in these modes, which also gives the voltages of these registers.
-pub(super) fn folded(program: &Program, modes: &[f64], seen: &[Register]) -> Terms {
-    let outputs = program.lamps.iter().map(|lamp| (lamp.output, lamp.demand)).collect();
+/// What comes out of an amplifier.
+#[derive(Debug, Clone, Copy)]
+enum Output {
+    /// What it is asked for.
+    Demand(Register),
+    /// An end of its range.
+    End(f64),
+}
+
+/// Folds a program in a stance, which also gives the voltages of these registers.
+pub(super) fn folded(program: &Program, stance: Stance<'_>, seen: &[Register]) -> Terms {
+    let outputs = program.lamps.iter().zip(stance.overloads).map(|(lamp, side)| match side {
+        0 => (lamp.output, Output::Demand(lamp.demand)),
+        side => (lamp.output, Output::End(f64::from(*side) * REFERENCE)),
+    });
+    let outputs = outputs.collect();
     let mut folder = Folder {
         program,
-        modes,
+        stance,
         early: Early::default(),
         nodes: Vec::new(),
         known: HashMap::new(),
@@ -81,8 +96,8 @@ fn uses(program: &Program) -> Vec<u32> {
     uses
 }
 
-/// Of every register, whether a rate or what is kept or delayed depends on it while no amplifier is overloaded.
-fn needed(program: &Program, outputs: &HashMap<Register, Register>) -> Vec<bool> {
+/// Of every register, whether a rate or what is kept or delayed depends on it.
+fn needed(program: &Program, outputs: &HashMap<Register, Output>) -> Vec<bool> {
     let mut needed = vec![false; program.body.len()];
     let rates = program.states.iter().map(|state| state.rate);
     let delayed = program.delays.iter().map(|delay| delay.input);
@@ -94,7 +109,8 @@ fn needed(program: &Program, outputs: &HashMap<Register, Register>) -> Vec<bool>
             continue;
         }
         match outputs.get(&Register(at as u32)) {
-            Some(demand) => needed[demand.index()] = true,
+            Some(Output::Demand(demand)) => needed[demand.index()] = true,
+            Some(Output::End(_)) => {}
             None => program.body[at].operands().for_each(|operand| needed[operand.index()] = true),
         }
     }
@@ -103,7 +119,7 @@ fn needed(program: &Program, outputs: &HashMap<Register, Register>) -> Vec<bool>
 
 pub(super) struct Folder<'a> {
     pub program: &'a Program,
-    pub modes: &'a [f64],
+    pub stance: Stance<'a>,
     pub early: Early,
     pub nodes: Vec<Node>,
     /// Atoms by what they are.
@@ -117,8 +133,8 @@ pub(super) struct Folder<'a> {
     /// Of what is compared with 0, its side.
     sides: Vec<(Atom, Factor)>,
     scheduled: Vec<u32>,
-    /// Outputs of amplifiers that may be overloaded, with what they are asked for.
-    outputs: HashMap<Register, Register>,
+    /// What comes out of the amplifiers that can be overloaded.
+    outputs: HashMap<Register, Output>,
 }
 
 impl Folder<'_> {
@@ -127,13 +143,15 @@ impl Folder<'_> {
     }
 
     fn form(&mut self, at: Register) -> Form {
-        if let Some(demand) = self.outputs.get(&at) {
-            return self.of(*demand).clone();
+        match self.outputs.get(&at) {
+            Some(Output::Demand(demand)) => return self.of(*demand).clone(),
+            Some(Output::End(volts)) => return Form::still(Factor::Number(*volts)),
+            None => {}
         }
         match self.program.body[at.index()] {
             Op::Constant(value) => Form::still(Factor::Number(value)),
             Op::Coefficient(index) => Form::still(self.coefficient(index)),
-            Op::Mode(index) => Form::still(Factor::Number(self.modes[index as usize])),
+            Op::Mode(index) => Form::still(Factor::Number(self.stance.modes[index as usize])),
             Op::State(index) => self.node(Node::State(index)),
             Op::Time => self.node(Node::Time),
             Op::Delayed(index) => self.node(Node::Delayed(index)),

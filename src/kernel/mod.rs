@@ -1,9 +1,10 @@
-//! The kernel: what a program comes to while its modes stand and no amplifier is overloaded.
+//! The kernel: what a program comes to while its modes stand and its amplifiers stay within their range, or beyond the same
+//! end of it.
 //!
 //! Signs, gains, potentiometers and formulas are gathered into factors, which a prologue of its own works out once a
 //! run; what is left are sums of voltages times factors, and what is no sum. A kernel gives the rates, the voltages
 //! that are recorded, and what has to be watched: as long as every watched voltage stays within its bounds, the
-//! kernel tells the same as the program. It is folded for one set of modes.
+//! kernel tells the same as the program. It is folded for one stance: a set of modes, and of overloaded amplifiers.
 //!
 //! Every backend runs the same operations in the same order, each rounded once, and gives the same bits.
 
@@ -52,7 +53,15 @@ use form::Factor;
 /// diode, is not beyond it by rounding.
 pub(crate) const WITHIN_RANGE: f64 = REFERENCE + ON_THE_KINK;
 
-/// A program folded for one set of modes.
+/// What a program is folded for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stance<'a> {
+    pub modes: &'a [f64],
+    /// Of every lamp, on which side its amplifier is overloaded, 1 or -1, or 0 where it is not.
+    pub overloads: &'a [i8],
+}
+
+/// A program folded for one stance.
 #[derive(Debug, Clone)]
 pub(crate) struct Kernel {
     /// What its factors are worked out by, from the program's coefficients.
@@ -170,9 +179,9 @@ impl Kernel {
         program.loops.is_empty()
     }
 
-    /// The kernel of a program in these modes, which also gives the voltages of these registers.
-    pub fn new(program: &Program, modes: &[f64], seen: &[Register]) -> Option<Kernel> {
-        Kernel::can_be_of(program).then(|| layout::laid_out(fold::folded(program, modes, seen), program))
+    /// The kernel of a program in a stance, which also gives the voltages of these registers.
+    pub fn new(program: &Program, stance: Stance<'_>, seen: &[Register]) -> Option<Kernel> {
+        Kernel::can_be_of(program).then(|| layout::laid_out(fold::folded(program, stance, seen), program))
     }
 
     /// Whether all that is recorded follows states, which do not jump where a step ends.

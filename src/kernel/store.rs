@@ -1,11 +1,11 @@
-//! The kernels of a program, folded once for every set of modes, whatever the number of machines that run it.
+//! The kernels of a program, folded once for every stance, whatever the number of machines that run it.
 
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::rows::Columns;
-use super::{Backend, Formation, Frame, Kernel, Look, Native, Steps};
+use super::{Backend, Formation, Frame, Kernel, Look, Native, Stance, Steps};
 use crate::program::{Program, Register};
 
 /// Kernels that programs with the same operations share.
@@ -16,6 +16,7 @@ pub(crate) struct Kernels(Arc<Mutex<Vec<Arc<Folded>>>>);
 #[derive(Debug)]
 pub(crate) struct Folded {
     modes: Vec<f64>,
+    overloads: Vec<i8>,
     seen: Vec<Register>,
     pub kernel: Kernel,
     /// Whether all that is recorded follows states.
@@ -47,18 +48,19 @@ pub(super) fn pays(kernel: &Kernel) -> u64 {
 }
 
 impl Kernels {
-    /// The kernel of a program in these modes that gives these registers; nothing where the program has none.
-    pub fn of(&self, program: &Program, modes: &[f64], seen: &[Register]) -> Option<Arc<Folded>> {
+    /// The kernel of a program in a stance that gives these registers; nothing where the program has none.
+    pub fn of(&self, program: &Program, stance: Stance<'_>, seen: &[Register]) -> Option<Arc<Folded>> {
         // Whoever broke off left the list as whole as it was.
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = all.iter().position(|known| known.modes == modes && known.seen == seen) {
+        if let Some(known) = all.iter().position(|known| known.is_for(stance) && known.seen == seen) {
             // What was asked for last stands last.
             all[known..].rotate_left(1);
             return all.last().cloned();
         }
-        let kernel = Kernel::new(program, modes, seen)?;
+        let kernel = Kernel::new(program, stance, seen)?;
         let folded = Arc::new(Folded {
-            modes: modes.to_vec(),
+            modes: stance.modes.to_vec(),
+            overloads: stance.overloads.to_vec(),
             seen: seen.to_vec(),
             native: OnceLock::new(),
             pays: pays(&kernel),
@@ -83,9 +85,9 @@ impl fmt::Debug for Kernels {
 }
 
 impl Folded {
-    /// Whether it was folded for these modes.
-    pub fn is_for(&self, modes: &[f64]) -> bool {
-        self.modes == modes
+    /// Whether it was folded for this stance.
+    pub fn is_for(&self, stance: Stance<'_>) -> bool {
+        self.modes == stance.modes && self.overloads == stance.overloads
     }
 
     /// A frame without numbers, with room for what a backend needs.

@@ -16,7 +16,7 @@ use dice::Dice;
 use super::Native;
 use super::lane::Lane as _;
 use super::store::{FEWEST_BEYOND_NATIVE, pays};
-use super::{Formation, Frame, Kernel, LANES, Posted, Steps, Watched};
+use super::{Formation, Frame, Kernel, LANES, Posted, Stance, Steps, WITHIN_RANGE, Watched};
 use crate::delay_line::DelayLine;
 use crate::grid::Grid;
 use crate::patch::Patch;
@@ -26,12 +26,13 @@ fn program(patch: &Patch) -> Program {
     common::program(patch, &[])
 }
 
-/// A program at points drawn by chance, in the modes that hold there.
+/// A program at points drawn by chance, in the stance that holds there.
 struct Points<'p> {
     program: &'p Program,
     coefficients: Vec<f64>,
     registers: Vec<f64>,
     modes: Vec<f64>,
+    overloads: Vec<i8>,
     states: Vec<f64>,
     kept: Vec<f64>,
     levels: Vec<f64>,
@@ -45,7 +46,8 @@ impl<'p> Points<'p> {
             program,
             coefficients: program.prepare(&parameters),
             registers: vec![0.0; program.body.len()],
-            modes: Vec::new(),
+            modes: program.modes.iter().map(|mode| mode.initial).collect(),
+            overloads: vec![0; program.lamps.len()],
             states: Vec::new(),
             kept: Vec::new(),
             levels: Vec::new(),
@@ -72,7 +74,11 @@ impl<'p> Points<'p> {
         self.settle();
     }
 
-    /// The modes that hold there.
+    fn stance(&self) -> Stance<'_> {
+        Stance { modes: &self.modes, overloads: &self.overloads }
+    }
+
+    /// The modes that hold there, and the amplifiers that are overloaded then.
     fn settle(&mut self) {
         self.modes = self.program.modes.iter().map(|mode| mode.initial).collect();
         for _ in 0..20 {
@@ -81,8 +87,12 @@ impl<'p> Points<'p> {
             let program = self.program;
             program.change_modes(&self.registers, &mut self.modes, &mut self.states, |_, _| any = true);
             if !any {
-                return;
+                break;
             }
+        }
+        for (side, lamp) in self.overloads.iter_mut().zip(&self.program.lamps) {
+            let asked = self.registers[lamp.demand.index()];
+            *side = i8::from(asked > WITHIN_RANGE) - i8::from(asked < -WITHIN_RANGE);
         }
     }
 
@@ -106,7 +116,7 @@ impl<'p> Points<'p> {
     /// rounding. Nothing where the kernel does not hold.
     fn difference(&self, outputs: &[Register]) -> Option<f64> {
         let program = self.program;
-        let folded = program.kernels.of(program, &self.modes, outputs)?;
+        let folded = program.kernels.of(program, self.stance(), outputs)?;
         let kernel = &folded.kernel;
         let frame = self.frame(kernel)?;
         let outputs = outputs.iter().enumerate().map(|(index, register)| {
@@ -128,6 +138,11 @@ impl<'p> Points<'p> {
         frame.lines[0] = vec![DelayLine::new(1.0, 0.0, 1e-3); self.program.delays.len()];
         kernel.settle(&mut frame, self.program, &self.coefficients, true).then_some(frame)
     }
+}
+
+/// The kernel of a program's first modes, within the range of all amplifiers.
+fn kernel(program: &Program) -> Kernel {
+    Kernel::new(program, Points::new(program).stance(), &[]).unwrap()
 }
 
 /// The registers of all elements.
@@ -180,12 +195,12 @@ fn nor_does_it_in_random_circuits() {
 fn side_by_side(program: &Program, dice: &mut Dice) -> Option<(Kernel, Vec<Frame<f64>>)> {
     let mut points = Points::new(program);
     points.draw(dice);
-    let modes = points.modes.clone();
-    let kernel = Kernel::new(program, &modes, &outlets(program))?;
+    let (modes, overloads) = (points.modes.clone(), points.overloads.clone());
+    let kernel = Kernel::new(program, points.stance(), &outlets(program))?;
     let drawn = (0..20 * LANES).filter_map(|_| {
         points.draw(dice);
         points.time = 0.25;
-        (points.modes == modes).then(|| points.frame(&kernel)).flatten()
+        (points.modes == modes && points.overloads == overloads).then(|| points.frame(&kernel)).flatten()
     });
     let frames: Vec<_> = drawn.take(LANES).collect();
     (frames.len() == LANES).then_some((kernel, frames))
@@ -256,8 +271,7 @@ fn the_pages_tell_how_many_lanes_there_are() {
 fn what_is_met_is_told_by_lane() {
     let program = generated(&[[-50.0, 0.0], [10.0, 0.0], [50.0, 40.0]], 0.0);
     let mut points = Points::new(&program);
-    points.modes = program.modes.iter().map(|mode| mode.initial).collect();
-    let kernel = Kernel::new(&program, &points.modes, &[]).unwrap();
+    let kernel = kernel(&program);
     let mut formation = Formation::of(&kernel);
     for lane in 0..LANES {
         // A falls by what B has in a second; below -10 V the table turns.
@@ -278,8 +292,7 @@ fn what_is_met_is_told_by_lane() {
 #[test]
 fn signs_gains_and_potentiometers_leave_sums() {
     let program = program(&common::slideway());
-    let modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
-    let kernel = Kernel::new(&program, &modes, &[]).unwrap();
+    let kernel = kernel(&program);
     // The square of the friction level, and three rates: between its corners everything else is straight.
     assert!(kernel.moving.instructions.len() <= 4, "{:?}", kernel.moving);
     // Five corners, and no amplifier twice that gives the negative of another.
@@ -327,7 +340,7 @@ fn no_fence_holds_what_a_watch_meets() {
     let met = programs.iter().filter(|program| is_folded(program)).map(|program| {
         let mut points = Points::new(program);
         points.draw(&mut dice);
-        let kernel = Kernel::new(program, &points.modes, &outlets(program)).unwrap();
+        let kernel = Kernel::new(program, points.stance(), &outlets(program)).unwrap();
         points.frame(&kernel).map_or(0, |frame| watches_met(&kernel, &frame))
     });
     let met: usize = met.sum();
@@ -362,9 +375,8 @@ fn is_met(kernel: &Kernel, frame: &Frame<f64>, posted: &Posted, voltage: f64) ->
 /// Whether the kernel of a program's first modes holds where its only state is at a voltage.
 fn holds_at(program: &Program, volts: f64) -> bool {
     let mut points = Points::new(program);
-    points.modes = program.modes.iter().map(|mode| mode.initial).collect();
     points.states = vec![volts];
-    points.frame(&Kernel::new(program, &points.modes, &[]).unwrap()).is_some()
+    points.frame(&kernel(program)).is_some()
 }
 
 #[test]
@@ -388,11 +400,31 @@ fn what_is_bound_by_a_guard_and_by_an_amplifier_stays_within_both() {
     }
 }
 
+/// Beyond an end of its range an amplifier gives that end, as long as it is asked for no less.
+#[test]
+fn what_is_overloaded_gives_an_end_of_its_range() {
+    let summer = common::element("summer").cords("x2", ["A"]);
+    let integrator = common::element("integrator").cords("x1", ["S"]);
+    let builder = common::volts("overloaded").element("S", summer).element("A", integrator);
+    let program = common::built(builder);
+    let mut points = Points::new(&program);
+    points.stand(&[60.0]);
+    assert_eq!(points.overloads, [-1]);
+    assert_eq!(points.difference(&outlets(&program)), Some(0.0));
+    let kernel = Kernel::new(&program, points.stance(), &outlets(&program)).unwrap();
+    // The summer is asked for twice as much, of the other sign.
+    for (volts, holds) in [(50.1, true), (49.9, false), (-60.0, false)] {
+        points.states = vec![volts];
+        assert_eq!(points.frame(&kernel).is_some(), holds, "{volts} V");
+    }
+}
+
 #[test]
 fn kernels_that_are_used_are_kept() {
     let program = generated(&[[-10.0, 0.0], [10.0, 10.0]], 0.0);
-    let modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
-    let kernel = |seen: usize| program.kernels.of(&program, &modes, &vec![Register(0); seen]).unwrap();
+    let points = Points::new(&program);
+    let kernel =
+        |seen: usize| program.kernels.of(&program, points.stance(), &vec![Register(0); seen]).unwrap();
     let [used, unused] = [0, 1].map(kernel);
     for seen in 2..100 {
         kernel(seen);
@@ -414,16 +446,12 @@ fn chained(count: usize) -> Program {
 
 /// Their kernel.
 fn chain(count: usize) -> Kernel {
-    let program = chained(count);
-    let modes: Vec<f64> = program.modes.iter().map(|mode| mode.initial).collect();
-    Kernel::new(&program, &modes, &[]).unwrap()
+    kernel(&chained(count))
 }
 
 #[test]
 fn native_code_of_larger_kernels_pays_later() {
-    let slideway = program(&common::slideway());
-    let modes: Vec<f64> = slideway.modes.iter().map(|mode| mode.initial).collect();
-    let own = pays(&Kernel::new(&slideway, &modes, &[]).unwrap());
+    let own = pays(&kernel(&program(&common::slideway())));
     // docs/performance.md tells about 10,000.
     assert!((9_000..11_000).contains(&own), "{own}");
     let many = pays(&chain(1000));
@@ -483,7 +511,7 @@ fn native_steps_stop_before_the_step_in_which_something_is_met() {
         let mut points = Points::new(&program);
         for _ in 0..points_drawn {
             points.draw(&mut dice);
-            let kernel = Kernel::new(&program, &points.modes, &outlets(&program)).unwrap();
+            let kernel = Kernel::new(&program, points.stance(), &outlets(&program)).unwrap();
             let Some(mut alone) = points.frame(&kernel) else { continue };
             kernel.show(&mut alone, &program.tables);
             alone.stand();

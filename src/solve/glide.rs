@@ -1,5 +1,5 @@
-//! Quiet stretches: while no mode changes and no amplifier is overloaded, a kernel of the program takes the steps, and
-//! crosses the corners of diodes and tables on its way.
+//! Quiet stretches: while no mode changes and no amplifier comes to an end of its range, a kernel of the program takes the
+//! steps, and crosses the corners of diodes and tables on its way.
 
 use std::mem;
 use std::sync::Arc;
@@ -9,9 +9,9 @@ use super::error::RunError;
 use super::locate::{self, Ahead};
 use super::machine::{Machine, Witness};
 use super::stride::{cubic, without_dust};
-use crate::kernel::{Backend, Folded, Frame, Kind, Look, Met, Steps, WITHIN_RANGE};
+use crate::kernel::{Backend, Folded, Frame, Kind, Look, Met, Stance, Steps, WITHIN_RANGE};
 use crate::machines::REFERENCE;
-use crate::program::{Lamp, Register};
+use crate::program::Register;
 
 /// What a machine glides with.
 #[derive(Debug, Clone, Default)]
@@ -19,7 +19,7 @@ pub(super) struct Glider {
     backend: Backend,
     /// What is recorded.
     seen: Vec<Register>,
-    /// One for every set of modes met.
+    /// One for every stance met.
     flights: Vec<Flight>,
 }
 
@@ -51,14 +51,15 @@ impl Glider {
         self.flights.iter_mut().for_each(|flight| flight.is_due = true);
     }
 
-    /// Index of the flight for the machine's modes.
+    /// Index of the flight for the machine's stance.
     fn flight(&mut self, machine: &Machine<'_>) -> Option<usize> {
-        let known = self.flights.iter().position(|flight| flight.folded.is_for(&machine.modes));
+        let stance = Stance { modes: &machine.modes, overloads: &machine.sides };
+        let known = self.flights.iter().position(|flight| flight.folded.is_for(stance));
         if known.is_some() {
             return known;
         }
         let program = machine.program;
-        let folded = program.kernels.of(program, &machine.modes, &self.seen)?;
+        let folded = program.kernels.of(program, stance, &self.seen)?;
         let frame = folded.frame(self.backend);
         if self.flights.len() == MOST_FLIGHTS {
             self.flights.remove(0);
@@ -175,7 +176,7 @@ impl Machine<'_> {
     /// Begins a flight where the machine is, if that can be: before steps of a grid.
     pub(super) fn take_off(&mut self, steps: Steps) -> Option<Aloft> {
         let may = self.glider.backend != Backend::Reference && self.sensitivities.is_none();
-        if !may || !self.is_calm() {
+        if !may || !self.take_stance() {
             return None;
         }
         let until = self.end_of_flight();
@@ -198,12 +199,20 @@ impl Machine<'_> {
         begun.map(|flight| Aloft { flight, until, left, meets: false })
     }
 
+    /// Takes note of the amplifiers that are overloaded. Tells whether a kernel may take over: it lights no lamps.
+    fn take_stance(&mut self) -> bool {
+        for (side, lamp) in self.sides.iter_mut().zip(&self.program.lamps) {
+            let asked = self.registers[lamp.demand.index()];
+            *side = if asked.abs() <= WITHIN_RANGE { 0 } else { asked.signum() as i8 };
+        }
+        !self.has_lamps || self.is_calm()
+    }
+
     /// Whether no amplifier is asked for more than it can give: no integrator is held at ±100 V and driven on. A kernel would
     /// find that out too, but in every step as long as it lasts.
     fn is_calm(&self) -> bool {
         let at_rest = self.pushed.iter().all(|pushed| *pushed == 0.0);
-        let asked = |lamp: &Lamp| self.registers[lamp.demand.index()].abs();
-        let in_range = self.program.lamps.iter().all(|lamp| asked(lamp) <= WITHIN_RANGE);
+        let in_range = self.sides.iter().all(|side| *side == 0);
         let mut states = self.program.states.iter().zip(&self.states);
         at_rest
             && in_range

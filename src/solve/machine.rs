@@ -67,6 +67,10 @@ pub struct Machine<'p> {
     pub(super) levels: Vec<f64>,
     pub(super) scratch: Scratch,
     pub(super) lamps: Vec<Option<Lit>>,
+    /// Whether there are any; else nothing tells of overloads.
+    pub(super) has_lamps: bool,
+    /// On which side the amplifier of every lamp was overloaded when a flight was last thought of.
+    pub(super) sides: Vec<i8>,
     pub(super) mode: MachineMode,
     pub(super) work: Work,
     /// Changes of every mode within the present step.
@@ -216,6 +220,8 @@ impl<'p> Machine<'p> {
             levels: vec![0.0; program.levels.len()],
             scratch: Scratch::new(program),
             lamps: vec![None; program.elements.len()],
+            has_lamps: true,
+            sides: vec![0; program.lamps.len()],
             mode: MachineMode::InitialCondition,
             work: Work::default(),
             changes: vec![0; program.modes.len()],

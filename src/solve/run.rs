@@ -29,6 +29,9 @@ pub struct RunSettings {
     /// Whether the machine goes into hold as soon as a lamp lights. What takes time is then passed over until the
     /// next initial condition.
     pub hold_on_overload: bool,
+    /// Whether overload lamps light. Where not, the trace tells of no overload, none holds the machine, and runs beyond ±100 V
+    /// are quicker.
+    pub lamps: bool,
     /// Names of the signals to record, in order.
     pub record: Vec<String>,
     /// Names of the parameters by which the derivatives of all these signals are recorded as well.
@@ -65,6 +68,7 @@ impl RunSettings {
             tolerance,
             every: plan.every.as_ref().map_or(step, |placed| placed.value),
             hold_on_overload: plan.hold_on_overload,
+            lamps: true,
             record: circuit.recorded(),
             sensitivities: circuit.differentiated(),
             backend: Backend::default(),
@@ -285,5 +289,6 @@ pub(super) fn ready<'p, 'w>(
     machine.check_noise(operated)?;
     let recorder = Recorder::new(program, &machine, settings, progress)?;
     machine.glider = Glider::new(settings.backend, recorder.registers());
+    machine.has_lamps = settings.lamps;
     Ok(Player::new(machine, recorder, operated))
 }

@@ -256,6 +256,7 @@ fn a_grid_beyond_reason_cannot_be_set_within_a_run() {
         tolerance: None,
         every: 0.1,
         hold_on_overload: false,
+        lamps: true,
         record,
         sensitivities: vec![],
         backend: Backend::default(),
