@@ -201,7 +201,12 @@ impl Round {
         self.beside.is_empty() || leaves_noise || self.closed() > LEAST_CLOSED
     }
 
-    /// The best of the trials that the data cannot tell from the best of all.
+    /// The trials that the data cannot tell from the best of all.
+    pub fn rivals(&self) -> impl Iterator<Item = &Trial> {
+        self.trials.iter().skip(1).filter(|trial| self.is_tied(trial))
+    }
+
+    /// The best of them.
     pub fn rival(&self) -> Option<&Trial> {
         self.rival_place().map(|place| &self.trials[place])
     }
@@ -271,7 +276,7 @@ impl Round {
         self.taken = shows && (self.confirmed.ratio() > CONFIRMED || gains);
         let may_be = self.confirmed.ratio() > PROMISING && self.closed() > LEAST_CLOSED;
         self.promising = shows && !self.taken && may_be && best.stage.leaves_structure();
-        self.tied = 1 + self.trials.iter().skip(1).filter(|trial| self.is_tied(trial)).count();
+        self.tied = 1 + self.rivals().count();
     }
 
     /// Puts a trial before those that stand before it.

@@ -1,5 +1,7 @@
 //! The verdict of a search in words.
 
+use std::collections::BTreeSet;
+
 use super::limits::{Limit, best_places};
 use super::round::{Round, Trial};
 use super::search::{Outcome, Verdict, taken};
@@ -73,12 +75,15 @@ impl Outcome {
             _ => format!("{} ({})", trial.named(), trial.candidate.note),
         };
         let told = |round: &Round| {
-            let both = round.trials.iter().take(1).chain(round.rival());
-            let both = both.map(named).collect::<Vec<_>>().join(" or ");
-            match round.tied {
-                0..=2 => both,
-                3 => format!("{both} (or one more)"),
-                tied => format!("{both} (or one of {} more)", tied - 2),
+            let both: Vec<&Trial> = round.trials.iter().take(1).chain(round.rival()).collect();
+            // Nor are other forms of one of them more.
+            let is_other = |trial: &&Trial| both.iter().all(|own| own.named() != trial.named());
+            let more: BTreeSet<String> = round.rivals().filter(is_other).map(|trial| trial.named()).collect();
+            let both = both.into_iter().map(named).collect::<Vec<_>>().join(" or ");
+            match more.len() {
+                0 => both,
+                1 => format!("{both} (or one more)"),
+                more => format!("{both} (or one of {more} more)"),
             }
         };
         taken(&self.rounds).map(told).collect()

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What works the steps of a run out where nothing switches and no amplifier is overloaded. All but the reference give
+/// What works the steps of a run out where nothing switches and no amplifier comes to an end of its range. All but the reference give
 /// the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {

@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::WITHIN_RANGE;
 use super::fold::Folder;
 use super::form::{Atom, Factor, Form};
+use super::{Asked, WITHIN_RANGE};
 use crate::machines::REFERENCE;
 use crate::program::{Guard, Lamp};
 
@@ -19,7 +19,7 @@ struct Bound {
 #[derive(Debug, Default)]
 pub(super) struct Bounds {
     pub all: Vec<(Atom, Factor, Factor)>,
-    /// So many of them, the first, are those of guards.
+    /// So many of them, the first, are those of guards and ends.
     pub guards: usize,
     /// The same of numbers that do not move.
     pub still: Vec<[Factor; 3]>,
@@ -33,8 +33,8 @@ impl Folder<'_> {
     /// All that has to be bound.
     pub fn bounds(&mut self) -> Bounds {
         let mut bounds = Bounds::default();
-        for guard in self.guards() {
-            self.bind(&mut bounds, guard);
+        for bound in self.guards().into_iter().chain(self.ends()) {
+            self.bind(&mut bounds, bound);
         }
         bounds.guards = bounds.all.len();
         for range in self.ranges() {
@@ -50,18 +50,24 @@ impl Folder<'_> {
         open.map(|open| self.closed(open.guard)).collect()
     }
 
-    /// Amplifiers stay within their range, or beyond an end of it.
+    /// Amplifiers that are overloaded stay so: like modes, as they may come back for less than a step.
+    fn ends(&self) -> Vec<Bound> {
+        let mut ends = self.asked(Asked::TooHigh, [REFERENCE, f64::INFINITY]);
+        ends.extend(self.asked(Asked::TooLow, [f64::NEG_INFINITY, -REFERENCE]));
+        ends
+    }
+
+    /// The others stay within their range.
     fn ranges(&self) -> Vec<Bound> {
-        let range = |(lamp, side): (&Lamp, &i8)| {
-            let [low, high] = match side {
-                0 => [-WITHIN_RANGE, WITHIN_RANGE],
-                1.. => [REFERENCE, f64::INFINITY],
-                _ => [f64::NEG_INFINITY, -REFERENCE],
-            };
-            let [low, high] = [low, high].map(Factor::Number);
-            Bound { of: self.of(lamp.demand).clone(), low, high }
-        };
-        self.program.lamps.iter().zip(self.stance.overloads).map(range).collect()
+        self.asked(Asked::Within, [-WITHIN_RANGE, WITHIN_RANGE])
+    }
+
+    /// Of amplifiers that are asked for something, the range in which that stays.
+    fn asked(&self, asked: Asked, range: [f64; 2]) -> Vec<Bound> {
+        let lamps = self.program.lamps.iter().zip(self.stance.asked);
+        let [low, high] = range.map(Factor::Number);
+        let bound = |lamp: &Lamp| Bound { of: self.of(lamp.demand).clone(), low, high };
+        lamps.filter(|(_, own)| **own == asked).map(|(lamp, _)| bound(lamp)).collect()
     }
 
     fn closed(&self, guard: Guard) -> Bound {

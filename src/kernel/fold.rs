@@ -3,10 +3,10 @@
 
 use std::collections::HashMap;
 
-use super::Stance;
 use super::bounds::Bounds;
 use super::form::{Atom, Early, Factor, Form};
 use super::node::{Node, Operand};
+use super::{Asked, Stance};
 use crate::machines::REFERENCE;
 use crate::program::{Op, Program, Register};
 
@@ -49,21 +49,10 @@ const LONGEST: usize = 16;
 /// Sums are not gathered into what is more than so many times as large: what 100 V lose by rounding becomes 1e-11 V.
 const STEEP: f64 = 1e3;
 
-/// What comes out of an amplifier.
-#[derive(Debug, Clone, Copy)]
-enum Output {
-    /// What it is asked for.
-    Demand(Register),
-    /// An end of its range.
-    End(f64),
-}
-
 /// Folds a program in a stance, which also gives the voltages of these registers.
 pub(super) fn folded(program: &Program, stance: Stance<'_>, seen: &[Register]) -> Terms {
-    let outputs = program.lamps.iter().zip(stance.overloads).map(|(lamp, side)| match side {
-        0 => (lamp.output, Output::Demand(lamp.demand)),
-        side => (lamp.output, Output::End(f64::from(*side) * REFERENCE)),
-    });
+    let outputs =
+        program.lamps.iter().zip(stance.asked).map(|(lamp, asked)| (lamp.output, (lamp.demand, *asked)));
     let outputs = outputs.collect();
     let mut folder = Folder {
         program,
@@ -96,8 +85,9 @@ fn uses(program: &Program) -> Vec<u32> {
     uses
 }
 
-/// Of every register, whether a rate or what is kept or delayed depends on it.
-fn needed(program: &Program, outputs: &HashMap<Register, Output>) -> Vec<bool> {
+/// Of every register, whether a rate or what is kept or delayed depends on it; of what an overloaded amplifier is asked for,
+/// whether they would if it came back.
+fn needed(program: &Program, outputs: &HashMap<Register, (Register, Asked)>) -> Vec<bool> {
     let mut needed = vec![false; program.body.len()];
     let rates = program.states.iter().map(|state| state.rate);
     let delayed = program.delays.iter().map(|delay| delay.input);
@@ -109,8 +99,7 @@ fn needed(program: &Program, outputs: &HashMap<Register, Output>) -> Vec<bool> {
             continue;
         }
         match outputs.get(&Register(at as u32)) {
-            Some(Output::Demand(demand)) => needed[demand.index()] = true,
-            Some(Output::End(_)) => {}
+            Some((demand, _)) => needed[demand.index()] = true,
             None => program.body[at].operands().for_each(|operand| needed[operand.index()] = true),
         }
     }
@@ -133,8 +122,8 @@ pub(super) struct Folder<'a> {
     /// Of what is compared with 0, its side.
     sides: Vec<(Atom, Factor)>,
     scheduled: Vec<u32>,
-    /// What comes out of the amplifiers that can be overloaded.
-    outputs: HashMap<Register, Output>,
+    /// Outputs of amplifiers that may be overloaded, with what they are asked for.
+    outputs: HashMap<Register, (Register, Asked)>,
 }
 
 impl Folder<'_> {
@@ -144,8 +133,9 @@ impl Folder<'_> {
 
     fn form(&mut self, at: Register) -> Form {
         match self.outputs.get(&at) {
-            Some(Output::Demand(demand)) => return self.of(*demand).clone(),
-            Some(Output::End(volts)) => return Form::still(Factor::Number(*volts)),
+            Some((demand, Asked::Within)) => return self.of(*demand).clone(),
+            Some((_, Asked::TooLow)) => return Form::still(Factor::Number(-REFERENCE)),
+            Some((_, Asked::TooHigh)) => return Form::still(Factor::Number(REFERENCE)),
             None => {}
         }
         match self.program.body[at.index()] {
@@ -346,7 +336,7 @@ impl Folder<'_> {
     fn select(&mut self, compared: [Register; 2], choice: [Register; 2]) -> Form {
         let sides = compared.map(|register| self.of(register).as_still());
         match sides {
-            // Modes are numbers.
+            // Modes are numbers, and ends of ranges.
             [Some(Factor::Number(left)), Some(Factor::Number(right))] => {
                 self.of(choice[usize::from(left < right)]).clone()
             }

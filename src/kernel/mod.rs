@@ -49,16 +49,34 @@ use crate::program::{ON_THE_KINK, Op, Program, Register, Sources};
 use code::{Code, Slot};
 use form::Factor;
 
-/// As long as no amplifier is asked for more than this, in volts, a kernel can hold. What stands just at its limit, by a
+/// An amplifier that is asked for no more than this, in volts, is within its range. What stands just at its limit, by a
 /// diode, is not beyond it by rounding.
-pub(crate) const WITHIN_RANGE: f64 = REFERENCE + ON_THE_KINK;
+const WITHIN_RANGE: f64 = REFERENCE + ON_THE_KINK;
+
+/// What an amplifier is asked for: less than it can give, what it can, or more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Asked {
+    TooLow,
+    Within,
+    TooHigh,
+}
+
+impl Asked {
+    pub fn of(volts: f64) -> Asked {
+        match volts {
+            volts if volts > WITHIN_RANGE => Asked::TooHigh,
+            volts if volts < -WITHIN_RANGE => Asked::TooLow,
+            _ => Asked::Within,
+        }
+    }
+}
 
 /// What a program is folded for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stance<'a> {
     pub modes: &'a [f64],
-    /// Of every lamp, on which side its amplifier is overloaded, 1 or -1, or 0 where it is not.
-    pub overloads: &'a [i8],
+    /// Of every lamp, what its amplifier is asked for.
+    pub asked: &'a [Asked],
 }
 
 /// A program folded for one stance.
@@ -212,7 +230,7 @@ impl Kernel {
     }
 
     /// Works the factors of a frame out from a program's coefficients and what is given of its corners. Tells whether they
-    /// can be used: not where an amplifier that stands still is overloaded.
+    /// can be used: not where an amplifier that stands still is asked for something else than they are folded for.
     pub fn put_factors(&self, frame: &mut Frame<f64>, program: &Program, coefficients: &[f64]) -> bool {
         let mut registers = std::mem::take(&mut frame.early);
         let from = Sources { coefficients, states: &frame.given, tables: &program.tables, ..Sources::none() };

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::rows::Columns;
-use super::{Backend, Formation, Frame, Kernel, Look, Native, Stance, Steps};
+use super::{Asked, Backend, Formation, Frame, Kernel, Look, Native, Stance, Steps};
 use crate::program::{Program, Register};
 
 /// Kernels that programs with the same operations share.
@@ -16,7 +16,7 @@ pub(crate) struct Kernels(Arc<Mutex<Vec<Arc<Folded>>>>);
 #[derive(Debug)]
 pub(crate) struct Folded {
     modes: Vec<f64>,
-    overloads: Vec<i8>,
+    asked: Vec<Asked>,
     seen: Vec<Register>,
     pub kernel: Kernel,
     /// Whether all that is recorded follows states.
@@ -60,7 +60,7 @@ impl Kernels {
         let kernel = Kernel::new(program, stance, seen)?;
         let folded = Arc::new(Folded {
             modes: stance.modes.to_vec(),
-            overloads: stance.overloads.to_vec(),
+            asked: stance.asked.to_vec(),
             seen: seen.to_vec(),
             native: OnceLock::new(),
             pays: pays(&kernel),
@@ -87,7 +87,7 @@ impl fmt::Debug for Kernels {
 impl Folded {
     /// Whether it was folded for this stance.
     pub fn is_for(&self, stance: Stance<'_>) -> bool {
-        self.modes == stance.modes && self.overloads == stance.overloads
+        self.modes == stance.modes && self.asked == stance.asked
     }
 
     /// A frame without numbers, with room for what a backend needs.

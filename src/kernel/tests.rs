@@ -16,7 +16,7 @@ use dice::Dice;
 use super::Native;
 use super::lane::Lane as _;
 use super::store::{FEWEST_BEYOND_NATIVE, pays};
-use super::{Formation, Frame, Kernel, LANES, Posted, Stance, Steps, WITHIN_RANGE, Watched};
+use super::{Asked, Formation, Frame, Kernel, LANES, Posted, Stance, Steps, Watched};
 use crate::delay_line::DelayLine;
 use crate::grid::Grid;
 use crate::patch::Patch;
@@ -32,7 +32,7 @@ struct Points<'p> {
     coefficients: Vec<f64>,
     registers: Vec<f64>,
     modes: Vec<f64>,
-    overloads: Vec<i8>,
+    asked: Vec<Asked>,
     states: Vec<f64>,
     kept: Vec<f64>,
     levels: Vec<f64>,
@@ -47,7 +47,7 @@ impl<'p> Points<'p> {
             coefficients: program.prepare(&parameters),
             registers: vec![0.0; program.body.len()],
             modes: program.modes.iter().map(|mode| mode.initial).collect(),
-            overloads: vec![0; program.lamps.len()],
+            asked: vec![Asked::Within; program.lamps.len()],
             states: Vec::new(),
             kept: Vec::new(),
             levels: Vec::new(),
@@ -75,7 +75,7 @@ impl<'p> Points<'p> {
     }
 
     fn stance(&self) -> Stance<'_> {
-        Stance { modes: &self.modes, overloads: &self.overloads }
+        Stance { modes: &self.modes, asked: &self.asked }
     }
 
     /// The modes that hold there, and the amplifiers that are overloaded then.
@@ -90,10 +90,8 @@ impl<'p> Points<'p> {
                 break;
             }
         }
-        for (side, lamp) in self.overloads.iter_mut().zip(&self.program.lamps) {
-            let asked = self.registers[lamp.demand.index()];
-            *side = i8::from(asked > WITHIN_RANGE) - i8::from(asked < -WITHIN_RANGE);
-        }
+        let demands = self.program.lamps.iter().map(|lamp| self.registers[lamp.demand.index()]);
+        self.asked = demands.map(Asked::of).collect();
     }
 
     /// Nothing has come out of delay lines yet.
@@ -195,12 +193,12 @@ fn nor_does_it_in_random_circuits() {
 fn side_by_side(program: &Program, dice: &mut Dice) -> Option<(Kernel, Vec<Frame<f64>>)> {
     let mut points = Points::new(program);
     points.draw(dice);
-    let (modes, overloads) = (points.modes.clone(), points.overloads.clone());
+    let (modes, asked) = (points.modes.clone(), points.asked.clone());
     let kernel = Kernel::new(program, points.stance(), &outlets(program))?;
     let drawn = (0..20 * LANES).filter_map(|_| {
         points.draw(dice);
         points.time = 0.25;
-        (points.modes == modes && points.overloads == overloads).then(|| points.frame(&kernel)).flatten()
+        (points.modes == modes && points.asked == asked).then(|| points.frame(&kernel)).flatten()
     });
     let frames: Vec<_> = drawn.take(LANES).collect();
     (frames.len() == LANES).then_some((kernel, frames))
@@ -409,7 +407,7 @@ fn what_is_overloaded_gives_an_end_of_its_range() {
     let program = common::built(builder);
     let mut points = Points::new(&program);
     points.stand(&[60.0]);
-    assert_eq!(points.overloads, [-1]);
+    assert_eq!(points.asked, [Asked::TooLow]);
     assert_eq!(points.difference(&outlets(&program)), Some(0.0));
     let kernel = Kernel::new(&program, points.stance(), &outlets(&program)).unwrap();
     // The summer is asked for twice as much, of the other sign.

@@ -9,7 +9,7 @@ use super::error::RunError;
 use super::locate::{self, Ahead};
 use super::machine::{Machine, Witness};
 use super::stride::{cubic, without_dust};
-use crate::kernel::{Backend, Folded, Frame, Kind, Look, Met, Stance, Steps, WITHIN_RANGE};
+use crate::kernel::{Asked, Backend, Folded, Frame, Kind, Look, Met, Stance, Steps};
 use crate::machines::REFERENCE;
 use crate::program::Register;
 
@@ -53,7 +53,7 @@ impl Glider {
 
     /// Index of the flight for the machine's stance.
     fn flight(&mut self, machine: &Machine<'_>) -> Option<usize> {
-        let stance = Stance { modes: &machine.modes, overloads: &machine.sides };
+        let stance = Stance { modes: &machine.modes, asked: &machine.asked };
         let known = self.flights.iter().position(|flight| flight.folded.is_for(stance));
         if known.is_some() {
             return known;
@@ -176,7 +176,8 @@ impl Machine<'_> {
     /// Begins a flight where the machine is, if that can be: before steps of a grid.
     pub(super) fn take_off(&mut self, steps: Steps) -> Option<Aloft> {
         let may = self.glider.backend != Backend::Reference && self.sensitivities.is_none();
-        if !may || !self.take_stance() {
+        self.take_note_of_what_is_asked();
+        if !may || (self.has_lamps && !self.is_calm()) {
             return None;
         }
         let until = self.end_of_flight();
@@ -199,20 +200,17 @@ impl Machine<'_> {
         begun.map(|flight| Aloft { flight, until, left, meets: false })
     }
 
-    /// Takes note of the amplifiers that are overloaded. Tells whether a kernel may take over: it lights no lamps.
-    fn take_stance(&mut self) -> bool {
-        for (side, lamp) in self.sides.iter_mut().zip(&self.program.lamps) {
-            let asked = self.registers[lamp.demand.index()];
-            *side = if asked.abs() <= WITHIN_RANGE { 0 } else { asked.signum() as i8 };
+    fn take_note_of_what_is_asked(&mut self) {
+        for (asked, lamp) in self.asked.iter_mut().zip(&self.program.lamps) {
+            *asked = Asked::of(self.registers[lamp.demand.index()]);
         }
-        !self.has_lamps || self.is_calm()
     }
 
-    /// Whether no amplifier is asked for more than it can give: no integrator is held at ±100 V and driven on. A kernel would
-    /// find that out too, but in every step as long as it lasts.
+    /// Whether no lamp lights: no amplifier is asked for more than it can give, no integrator is held at ±100 V and driven on.
+    /// A kernel lights none.
     fn is_calm(&self) -> bool {
         let at_rest = self.pushed.iter().all(|pushed| *pushed == 0.0);
-        let in_range = self.sides.iter().all(|side| *side == 0);
+        let in_range = self.asked.iter().all(|asked| *asked == Asked::Within);
         let mut states = self.program.states.iter().zip(&self.states);
         at_rest
             && in_range

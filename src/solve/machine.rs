@@ -12,7 +12,7 @@ use super::sensitivity::Sensitivities;
 use super::tableau::{CLASSICAL, DORMAND_PRINCE, Tableau};
 use crate::delay_line::DelayLine;
 use crate::grid::Grid;
-use crate::kernel::{Backend, Steps};
+use crate::kernel::{Asked, Backend, Steps};
 use crate::program::{Program, Scratch, Sources};
 use crate::trace::{Overload, Work};
 
@@ -67,10 +67,10 @@ pub struct Machine<'p> {
     pub(super) levels: Vec<f64>,
     pub(super) scratch: Scratch,
     pub(super) lamps: Vec<Option<Lit>>,
-    /// Whether there are any; else nothing tells of overloads.
+    /// Whether lamps light.
     pub(super) has_lamps: bool,
-    /// On which side the amplifier of every lamp was overloaded when a flight was last thought of.
-    pub(super) sides: Vec<i8>,
+    /// What the amplifier of every lamp was asked for when a flight was last thought of.
+    pub(super) asked: Vec<Asked>,
     pub(super) mode: MachineMode,
     pub(super) work: Work,
     /// Changes of every mode within the present step.
@@ -221,7 +221,7 @@ impl<'p> Machine<'p> {
             scratch: Scratch::new(program),
             lamps: vec![None; program.elements.len()],
             has_lamps: true,
-            sides: vec![0; program.lamps.len()],
+            asked: vec![Asked::Within; program.lamps.len()],
             mode: MachineMode::InitialCondition,
             work: Work::default(),
             changes: vec![0; program.modes.len()],

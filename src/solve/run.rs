@@ -29,8 +29,8 @@ pub struct RunSettings {
     /// Whether the machine goes into hold as soon as a lamp lights. What takes time is then passed over until the
     /// next initial condition.
     pub hold_on_overload: bool,
-    /// Whether overload lamps light. Where not, the trace tells of no overload, none holds the machine, and runs beyond ±100 V
-    /// are quicker.
+    /// Whether overload lamps light; they do in any case where they hold the machine. Where not, the trace tells of no
+    /// overload, and runs beyond ±100 V are quicker.
     pub lamps: bool,
     /// Names of the signals to record, in order.
     pub record: Vec<String>,
@@ -289,6 +289,6 @@ pub(super) fn ready<'p, 'w>(
     machine.check_noise(operated)?;
     let recorder = Recorder::new(program, &machine, settings, progress)?;
     machine.glider = Glider::new(settings.backend, recorder.registers());
-    machine.has_lamps = settings.lamps;
+    machine.has_lamps = settings.lamps || settings.hold_on_overload;
     Ok(Player::new(machine, recorder, operated))
 }

@@ -118,7 +118,7 @@ impl Sweep {
                 record.push(signal.to_owned());
             }
         }
-        let settings = RunSettings { record, sensitivities: Vec::new(), ..settings };
+        let settings = RunSettings { record, sensitivities: Vec::new(), lamps: true, ..settings };
         settings.check()?;
         let sweep = Sweep { name: name.to_owned(), program, settings, plan, measures };
         let names = sweep.column_names();

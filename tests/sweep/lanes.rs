@@ -84,6 +84,26 @@ fn turned(program: &Program, dice: &mut Dice) -> Program {
     turned
 }
 
+/// Without lamps, beyond ±100 V: every lane comes there, and back, at another step.
+#[test]
+fn runs_beyond_their_range() {
+    let sine = element("sine").set("amplitude", 60).set("frequency", 1);
+    let patch = volts("beyond its range")
+        .parameter("g", 0.5, "1", [0.0, 1.0])
+        .drive("u", "volt", sine)
+        .element("P", element("pot").cord("in", "u").set("setting", "g"))
+        .element("S", element("summer").cords("x4", ["P"]))
+        .element("A", element("integrator").cords("x1", ["S"]).cords("x10", ["P"]))
+        .run(2.0, 1e-3)
+        .build()
+        .unwrap();
+    let (circuit, own) = program(&patch, &[]).unwrap();
+    let record = ["S", "A"].map(str::to_owned).to_vec();
+    let settings = RunSettings { lamps: false, record, ..RunSettings::of(&circuit).unwrap() };
+    let programs: Vec<_> = (0..19).map(|run| set(&own, &[("g", f64::from(run) / 18.0)])).collect();
+    assert_eq!(compared(&programs, &settings, "beyond its range"), 0);
+}
+
 /// Curves through points, whose corners the lanes cross together.
 #[test]
 fn runs_driven_by_points() {
