@@ -320,6 +320,12 @@ impl Round {
         least > STANDS_OUT * best.stage.train.unexplained()
     }
 
+    /// By how much a trial's score is lower than the best's, where that alone tells them apart: the data held back do not.
+    pub fn lower_in_score(&self, trial: &Trial) -> Option<f64> {
+        let lower = self.trials[0].score - trial.score;
+        (trial.behind.ratio() < APART && lower > 0.0).then_some(lower)
+    }
+
     /// Whether the data cannot tell a trial from the best, which is of another effect.
     pub(super) fn is_tied(&self, trial: &Trial) -> bool {
         let best = &self.trials[0];

@@ -69,6 +69,11 @@ fn remark(round: &Round, rank: usize, trial: &Trial) -> String {
         0 if !round.closes_enough() => "leaves too much".to_owned(),
         0 => "the data held back do not bear it out".to_owned(),
         _ if round.is_tied(trial) => "the data cannot tell it from the first".to_owned(),
-        _ => format!("behind by {} ± {}", number(trial.behind.sum), number(trial.behind.error)),
+        _ => match round.lower_in_score(trial) {
+            Some(lower) => {
+                format!("lower in score by {}, not told apart by the data held back", number(lower))
+            }
+            None => format!("behind by {} ± {}", number(trial.behind.sum), number(trial.behind.error)),
+        },
     }
 }
