@@ -175,9 +175,11 @@ pub(super) enum Halt {
 impl Machine<'_> {
     /// Begins a flight where the machine is, if that can be: before steps of a grid.
     pub(super) fn take_off(&mut self, steps: Steps) -> Option<Aloft> {
-        let may = self.glider.backend != Backend::Reference && self.sensitivities.is_none();
+        if self.glider.backend == Backend::Reference || self.sensitivities.is_some() {
+            return None;
+        }
         self.take_note_of_what_is_asked();
-        if !may || (self.has_lamps && !self.is_calm()) {
+        if self.has_lamps && !self.is_calm() {
             return None;
         }
         let until = self.end_of_flight();

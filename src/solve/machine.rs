@@ -327,7 +327,9 @@ impl<'p> Machine<'p> {
     pub(super) fn check_now(&mut self) -> Result<(), RunError> {
         self.last.time = self.time;
         self.check_voltages()?;
-        self.watch_amplifiers();
+        if self.has_lamps {
+            self.watch_amplifiers();
+        }
         Ok(())
     }
 
@@ -455,8 +457,10 @@ impl<'p> Machine<'p> {
         self.take_rates();
         self.check_voltages()?;
         self.check_derivatives()?;
-        self.watch_integrators();
-        self.watch_amplifiers();
+        if self.has_lamps {
+            self.watch_integrators();
+            self.watch_amplifiers();
+        }
         self.remember_delays();
         witness.stretch(self);
         self.remember_values();

@@ -29,9 +29,6 @@ impl Machine<'_> {
 
     /// Lights the lamps of amplifiers that were asked for more than they can give, within the last stretch or now.
     pub(super) fn watch_amplifiers(&mut self) {
-        if !self.has_lamps {
-            return;
-        }
         let program = self.program;
         for lamp in &program.lamps {
             let peak = self.lamps[lamp.element].map_or(LAMP_LEVEL, |lit| lit.peak);
@@ -67,9 +64,6 @@ impl Machine<'_> {
     /// two ends: a stay within one step ends where the drive turns. A lag would come back by itself the more the farther
     /// it had gone.
     pub(super) fn watch_integrators(&mut self) {
-        if !self.has_lamps {
-            return;
-        }
         let length = self.time - self.last.time;
         for (index, state) in self.program.states.iter().enumerate() {
             let last = self.last.states[index];
