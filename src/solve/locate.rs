@@ -1,9 +1,21 @@
 //! Where in a step the first event comes.
 
-/// An event is found when its place in the step is known to this share of the step.
+use std::mem;
+
+/// An event is found when its place in the step is known to this share of the step,
 const FOUND: f64 = 1e-13;
+/// or to this share, and what happens in between is rounding:
+const FOUND_IN_ROUNDING: f64 = 1e-11;
+/// no more volts than a bit of 100 V.
+const ROUNDING: f64 = 1.5e-14;
 /// So many looks follow the curve; after them one in three halves, and both ends come nearer.
-const CURVED: usize = 7;
+const CURVED: usize = 10;
+/// So little past where an event should be it is looked for, in shares of a step: a bit of the step's end.
+const JUST_PAST: f64 = 1e-16;
+/// So much further beyond where the event should be every look goes that comes to the same side as the one before.
+const FURTHER: f64 = 8.0;
+/// So many steps of Newton's at most find where a curve is 0.
+const MOST_TURNS: usize = 60;
 /// So many make the rest smaller than the step's rounding.
 const MOST_LOOKS: usize = 150;
 
@@ -38,7 +50,8 @@ pub(super) fn first_event<A: Ahead>(
         (share, *event) = located(ahead, length, *event, near);
     }
     for _ in 0..MOST_LOOKS {
-        if !ahead.is_hinted() {
+        // What comes and goes sooner than a place is known is at that place.
+        if !ahead.is_hinted() || share <= FOUND {
             break;
         }
         let earlier = share * ahead.middle();
@@ -53,112 +66,249 @@ pub(super) fn first_event<A: Ahead>(
     (share, first)
 }
 
-/// The share of the step looked at after which the first event comes: where the curve through its last excesses is 0, kept
-/// safe by halving.
+/// The share of the step looked at after which the first event comes: where the curve through its excesses is 0, kept safe by
+/// halving.
 fn located<A: Ahead>(
     ahead: &mut A,
     length: f64,
     mut event: A::Event,
     mut near: Option<f64>,
 ) -> (f64, A::Event) {
-    let mut bracket = Bracket::new(ahead.excess_now(event), ahead.excess(event));
+    let end = Seen { share: 1.0, excess: ahead.excess(event) };
+    let mut bracket = Bracket::new(ahead.excess_now(event), end);
     for look in 0..MOST_LOOKS {
-        if bracket.width() <= FOUND {
+        if bracket.is_found() {
             break;
         }
         let room = ahead.room(event);
-        let zero = if room > 0.0 { bracket.zero() } else { bracket.beside_zero() };
-        let place = near.take().unwrap_or(zero);
-        let middle = bracket.guess(place, look);
-        ahead.look(middle * length);
-        match ahead.event() {
-            Some(first) if first != event => {
-                event = first;
-                bracket.change(middle, ahead.excess(event));
-            }
-            met => {
-                let excess = ahead.excess(event);
-                if excess.abs() < room {
-                    return (middle, event);
-                }
-                bracket.narrow(middle, excess, met.is_some());
-            }
+        let place = near.take().unwrap_or_else(|| bracket.next(look, room == 0.0));
+        let share = bracket.inside(place, look);
+        ahead.look(share * length);
+        let met = ahead.event();
+        if let Some(first) = met.filter(|first| *first != event) {
+            event = first;
+            bracket = Bracket::new(ahead.excess_now(event), Seen { share, excess: ahead.excess(event) });
+            continue;
         }
+        let excess = ahead.excess(event);
+        if excess.abs() < room {
+            return (share, event);
+        }
+        bracket.narrow(Seen { share, excess }, met.is_some());
     }
-    if bracket.looked_at() < bracket.high {
-        ahead.look(bracket.high * length);
+    if !bracket.is_at_its_upper_end() {
+        ahead.look(bracket.high.share * length);
     }
-    (bracket.high, event)
+    (bracket.high.share, event)
+}
+
+/// How far past an event a share of a step is.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    share: f64,
+    excess: f64,
 }
 
 /// Shares of a step between which an event comes, and what is known of it.
 struct Bracket {
-    low: f64,
-    high: f64,
-    /// Shares with the excess there, the latest first, and how many they are.
-    latest: [[f64; 2]; 4],
+    /// Where it has not come yet, and where it has.
+    low: Seen,
+    high: Seen,
+    /// The ends before these, the latest first, and how many places are known with these.
+    former: [Seen; 2],
     known: usize,
+    /// So far beyond where the excess should be 0 is looked next, towards the end that was not moved last.
+    beyond: f64,
 }
 
 impl Bracket {
-    fn new(low_excess: f64, high_excess: f64) -> Self {
-        let none = [f64::NAN; 2];
-        Bracket { low: 0.0, high: 1.0, latest: [[1.0, high_excess], [0.0, low_excess], none, none], known: 2 }
-    }
-
-    /// The share looked at last.
-    fn looked_at(&self) -> f64 {
-        self.latest[0][0]
+    /// From the present to a share at which the event has come.
+    fn new(excess_now: f64, high: Seen) -> Self {
+        let low = Seen { share: 0.0, excess: excess_now };
+        Bracket { low, high, former: [low, high], known: 2, beyond: 0.0 }
     }
 
     fn width(&self) -> f64 {
-        self.high - self.low
+        self.high.share - self.low.share
     }
 
-    /// Just before where the curve through what is known is 0, or, where the lower end is there already, just past it: two looks
-    /// that show that it is there.
-    fn beside_zero(&self) -> f64 {
-        let zero = self.zero();
-        if zero - self.low > FOUND { zero - 0.5 * FOUND } else { zero + 0.5 * FOUND }
+    /// Whether it is known well enough where the event comes.
+    fn is_found(&self) -> bool {
+        let rise = self.high.excess - self.low.excess;
+        self.width() <= FOUND || (self.width() <= FOUND_IN_ROUNDING && self.is_passed() && rise <= ROUNDING)
     }
 
-    /// A place strictly between the ends: the one that is wanted, or half-way. After many looks it is not too near to either.
-    fn guess(&self, place: f64, look: usize) -> f64 {
+    /// Whether the excess passes 0 between the ends. Where there are several events, that of the first need not.
+    fn is_passed(&self) -> bool {
+        self.low.excess <= 0.0 && self.high.excess >= 0.0 && self.low.excess < self.high.excess
+    }
+
+    /// Whether the step was last looked at to its upper end.
+    fn is_at_its_upper_end(&self) -> bool {
+        self.beyond <= 0.0
+    }
+
+    /// Where to look next: where the excess should be 0, or beside it, or half-way.
+    fn next(&self, look: usize, is_beside: bool) -> f64 {
+        if !self.is_passed() || (look >= CURVED && look.is_multiple_of(3)) {
+            return self.low.share + 0.5 * self.width();
+        }
+        self.zero() + if is_beside { self.beyond } else { 0.0 }
+    }
+
+    /// A place, or the nearest strictly between the ends. After many looks it is not too near to either.
+    fn inside(&self, place: f64, look: usize) -> f64 {
         let width = self.width();
-        let edge = if look >= CURVED { FOUND.max(width * 1e-3) } else { FOUND } * 0.5;
-        let halve = look >= CURVED && look.is_multiple_of(3);
-        if halve || !(self.low..=self.high).contains(&place) {
-            self.low + 0.5 * width
-        } else {
-            place.clamp(self.low + edge, self.high - edge)
-        }
+        let edge = if look >= CURVED { 0.5 * FOUND.max(width * 1e-3) } else { JUST_PAST };
+        let edge = edge.min(0.25 * width);
+        place.clamp(self.low.share + edge, self.high.share - edge)
     }
 
-    /// Where the excess would be 0 if the share were a polynomial of it (Lagrange); none of a single share.
+    /// Where between the ends the curve through what is known is 0: Newton's steps, halving where they leave the ends.
     fn zero(&self) -> f64 {
-        let known = &self.latest[..self.known];
-        let weight = |excess: f64| -> f64 {
-            let others = known.iter().filter(|[_, other]| *other != excess);
-            others.map(|[_, other]| other / (other - excess)).product()
-        };
-        if known.len() < 2 {
-            f64::NAN
-        } else {
-            known.iter().map(|[share, excess]| share * weight(*excess)).sum()
+        let curve = Curve::through([self.low, self.high, self.former[0], self.former[1]], self.known);
+        let (mut low, mut high) = (self.low.share, self.high.share);
+        let mut share = low - self.low.excess * self.width() / (self.high.excess - self.low.excess);
+        for _ in 0..MOST_TURNS {
+            let (excess, slope) = curve.at(share);
+            let back = excess / slope;
+            if back.abs() < 0.1 * FOUND {
+                break;
+            }
+            *(if excess < 0.0 { &mut low } else { &mut high }) = share;
+            let next = share - back;
+            share = if next > low && next < high { next } else { 0.5 * (low + high) };
         }
+        share
     }
 
     /// Moves one end, to where the event has come or not.
-    fn narrow(&mut self, to: f64, excess: f64, has_come: bool) {
-        *(if has_come { &mut self.high } else { &mut self.low }) = to;
-        self.latest.rotate_right(1);
-        self.latest[0] = [to, excess];
-        self.known = (self.known + 1).min(self.latest.len());
+    fn narrow(&mut self, to: Seen, has_come: bool) {
+        let end = if has_come { &mut self.high } else { &mut self.low };
+        self.former = [mem::replace(end, to), self.former[0]];
+        self.known = (self.known + 1).min(4);
+        let back = if has_come { -0.5 * FOUND } else { JUST_PAST };
+        self.beyond = if self.beyond * back > 0.0 { FURTHER * self.beyond } else { back };
+    }
+}
+
+/// The polynomial through places: the excess of a Runge-Kutta step is one over its length, as long as nothing bends.
+struct Curve {
+    shares: [f64; 4],
+    /// Divided differences (Newton).
+    differences: [f64; 4],
+    known: usize,
+}
+
+impl Curve {
+    /// Through the first places.
+    fn through(seen: [Seen; 4], known: usize) -> Self {
+        let shares = seen.map(|seen| seen.share);
+        let mut differences = seen.map(|seen| seen.excess);
+        for order in 1..known {
+            for place in (order..known).rev() {
+                let rise = differences[place] - differences[place - 1];
+                differences[place] = rise / (shares[place] - shares[place - order]);
+            }
+        }
+        Curve { shares, differences, known }
     }
 
-    /// Moves the upper end to where another event has come, of whose past nothing is known.
-    fn change(&mut self, to: f64, excess: f64) {
-        self.known = 0;
-        self.narrow(to, excess, true);
+    /// Its value at a share, and its slope there.
+    fn at(&self, share: f64) -> (f64, f64) {
+        let first = (self.differences[self.known - 1], 0.0);
+        (0..self.known - 1).rev().fold(first, |(value, slope), place| {
+            let from = share - self.shares[place];
+            (value * from + self.differences[place], slope * from + value)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A voltage over the length of a step, and an event where it is above 0.
+    struct Swing<F> {
+        excess: F,
+        length: f64,
+        looks: usize,
+        hint: Option<f64>,
+    }
+
+    impl<F: Fn(f64) -> f64> Ahead for Swing<F> {
+        type Event = ();
+
+        fn look(&mut self, length: f64) {
+            self.length = length;
+            self.looks += 1;
+        }
+
+        fn event(&self) -> Option<()> {
+            (self.excess(()) > 0.0).then_some(())
+        }
+
+        fn is_hinted(&self) -> bool {
+            self.hint.is_some()
+        }
+
+        fn middle(&self) -> f64 {
+            self.hint.unwrap_or(1.0)
+        }
+
+        fn excess_now(&self, (): ()) -> f64 {
+            (self.excess)(0.0)
+        }
+
+        fn excess(&self, (): ()) -> f64 {
+            (self.excess)(self.length)
+        }
+
+        fn room(&self, (): ()) -> f64 {
+            0.0
+        }
+    }
+
+    /// Where a voltage passes 0 in a step of 1 s, and after how many looks that is known.
+    fn first(excess: impl Fn(f64) -> f64, hint: Option<f64>) -> (f64, usize) {
+        let mut swing = Swing { excess, length: 1.0, looks: 0, hint };
+        let (share, met) = first_event(&mut swing, 1.0, None);
+        assert!(met.is_some() && swing.length == share && (swing.excess)(share) > 0.0, "{share}");
+        (share, swing.looks)
+    }
+
+    #[test]
+    fn what_passes_0_is_found_in_a_few_looks() {
+        let fall = (0.3_f64).exp();
+        let cases: [(&dyn Fn(f64) -> f64, f64, usize); 6] = [
+            (&|t| t - 0.7, 0.7, 3),
+            // From rest, as where friction lets go.
+            (&|t| 0.6 * t * t - 5e-4, (5e-4_f64 / 0.6).sqrt(), 7),
+            (&|t| 40.0 * t * t * t - 1e-3, (1e-3_f64 / 40.0).cbrt(), 10),
+            (&|t| fall - (0.3 + 2.0 * (0.15 - t)).exp(), 0.15, 8),
+            // A corner on the way.
+            (&|t| t.max(30.0 * t - 20.0) - 0.9, 20.9 / 30.0, 18),
+            (&|t| 1e-12 * t - 3e-13, 0.3, 6),
+        ];
+        for (place, (excess, expected, most)) in cases.into_iter().enumerate() {
+            let (share, looks) = first(excess, None);
+            assert!((share - expected).abs() <= 2.0 * FOUND, "case {place}: {share} for {expected}");
+            assert!(looks <= most, "case {place}: {looks} looks");
+        }
+    }
+
+    /// A voltage that is known to a bit of 100 V only.
+    #[test]
+    fn rounding_is_not_looked_through() {
+        let rounded = |t: f64| (1e-3 * (t - 0.4) + 50.0) - 50.0;
+        let (share, looks) = first(rounded, None);
+        assert!((share - 0.4).abs() <= FOUND_IN_ROUNDING && looks <= 10, "{share}, {looks} looks");
+    }
+
+    /// What is due at once, and hints at something sooner wherever one looks.
+    #[test]
+    fn nothing_is_looked_for_sooner_than_a_place_is_known() {
+        let (share, looks) = first(|_| 1e-8, Some(0.5));
+        assert!(share <= FOUND && looks <= 2 * MOST_LOOKS, "{share}, {looks} looks");
     }
 }
