@@ -280,7 +280,8 @@ mod tests {
     #[test]
     fn what_passes_0_is_found_in_a_few_looks() {
         let fall = (0.3_f64).exp();
-        let cases: [(&dyn Fn(f64) -> f64, f64, usize); 6] = [
+        type Case<'a> = (&'a dyn Fn(f64) -> f64, f64, usize);
+        let cases: [Case<'_>; 6] = [
             (&|t| t - 0.7, 0.7, 3),
             // From rest, as where friction lets go.
             (&|t| 0.6 * t * t - 5e-4, (5e-4_f64 / 0.6).sqrt(), 7),
