@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use crate::divided::divide;
+
 /// A sample of the input.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
@@ -397,12 +399,7 @@ impl DelayLine {
         for (place, node) in nodes.indices[..nodes.count].iter().enumerate() {
             (curve.times[place], curve.shares[place]) = (self.past[*node].time, self.past[*node].volts);
         }
-        for order in 1..nodes.count {
-            for place in (order..nodes.count).rev() {
-                let rise = curve.shares[place] - curve.shares[place - 1];
-                curve.shares[place] = rise / (curve.times[place] - curve.times[place - order]);
-            }
-        }
+        divide(&curve.times, &mut curve.shares[..nodes.count]);
         curve
     }
 }

@@ -28,6 +28,7 @@ extern crate self as patchcord;
 pub mod chain;
 pub mod circuit;
 mod delay_line;
+mod divided;
 pub mod elements;
 pub mod gap;
 mod grid;

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// What works the steps of a run out where nothing switches and no amplifier comes to an end of its range. All but the reference give
-/// the same bits.
+/// What works the steps of a run out where nothing switches and no amplifier comes to an end of its range. All but the
+/// reference give the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {
     /// The program's own operations, as the elements' laws emit them: the reference that the others are held against.

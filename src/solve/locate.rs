@@ -2,6 +2,8 @@
 
 use std::mem;
 
+use crate::divided::divide;
+
 /// An event is found when its place in the step is known to this share of the step,
 const FOUND: f64 = 1e-13;
 /// or to this share, and what happens in between is rounding:
@@ -195,7 +197,7 @@ impl Bracket {
 /// The polynomial through places: the excess of a Runge-Kutta step is one over its length, as long as nothing bends.
 struct Curve {
     shares: [f64; 4],
-    /// Divided differences (Newton).
+    /// Divided differences.
     differences: [f64; 4],
     known: usize,
 }
@@ -205,12 +207,7 @@ impl Curve {
     fn through(seen: [Seen; 4], known: usize) -> Self {
         let shares = seen.map(|seen| seen.share);
         let mut differences = seen.map(|seen| seen.excess);
-        for order in 1..known {
-            for place in (order..known).rev() {
-                let rise = differences[place] - differences[place - 1];
-                differences[place] = rise / (shares[place] - shares[place - order]);
-            }
-        }
+        divide(&shares, &mut differences[..known]);
         Curve { shares, differences, known }
     }
 

@@ -1,5 +1,7 @@
 //! Where a voltage turns within a stretch.
 
+use crate::divided::divide;
+
 /// A voltage at four places of a stretch, the first of which is its beginning: shares of its length, and values.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Samples {
@@ -54,11 +56,7 @@ impl Samples {
     /// Differences of the values, each divided by what its places lie apart.
     fn divided(&self) -> [f64; 4] {
         let mut table = self.values;
-        for order in 1..4 {
-            for at in (order..4).rev() {
-                table[at] = (table[at] - table[at - 1]) / (self.shares[at] - self.shares[at - order]);
-            }
-        }
+        divide(&self.shares, &mut table);
         table
     }
 }
