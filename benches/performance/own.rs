@@ -42,7 +42,7 @@ pub enum Steps {
 
 /// The circuit and its program, of which the kernels are kept: runs after the first find them made.
 pub struct Fig816 {
-    circuit: Circuit,
+    pub circuit: Circuit,
     pub program: Program,
     settings: RunSettings,
 }

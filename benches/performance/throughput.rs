@@ -163,7 +163,7 @@ fn sweep_of(fig: &Fig816, settings: RunSettings, vcl: &str) -> Outcome<Sweep> {
     let axes = vec![Axis::parse(vcl)?, Axis::parse("Tc=0.006:0.025:25")?];
     let plan = Plan::new(axes, &fig.program)?;
     let measures = vec![Measure::parse("peak:v_o", fig.program.signals())?];
-    Ok(Sweep::new("fig-8-16", fig.program.clone(), settings, plan, measures)?)
+    Ok(Sweep::new(fig.circuit.patch(), fig.program.clone(), settings, plan, measures)?)
 }
 
 /// Seconds that the sweep takes as the command makes it, rows made and thrown away.

@@ -105,8 +105,7 @@ impl Arguments {
         let measures = measures.map_err(|error| Failure::usage(error.to_string()))?;
         let settings = self.times.settings(&self.times.plan(circuit.run_plan()), circuit);
         let settings = settings.map_err(|error| refused(&error, circuit, self.times.is_to_blame(&error)))?;
-        let name = self.patch.patch.file_name().unwrap_or_default().to_string_lossy();
-        Sweep::new(&name, program, settings, plan, measures).map_err(|error| self.unmade(error, circuit))
+        Sweep::new(circuit.patch(), program, settings, plan, measures).map_err(|error| self.unmade(error, circuit))
     }
 
     fn unmade(&self, error: SweepError, circuit: &Circuit) -> Failure {

@@ -121,6 +121,20 @@ pub enum JournalError {
         /// What would.
         wanted: String,
     },
+    /// Another version of the program began the file.
+    #[error(
+        "{} was written by another version of patchcord (its first line is \"{found}\", this version writes \"{wanted}\"), \
+         and was left as it is: finish it with the version that began it, or give another file",
+        .file.display()
+    )]
+    OtherVersion {
+        /// The file.
+        file: PathBuf,
+        /// The first line of the file, which names the version.
+        found: String,
+        /// The first line that this version writes.
+        wanted: String,
+    },
     /// It has more lines than the sweep.
     #[error("{} goes on after the last row of this sweep, in line {line}; it was left as it is", .file.display())]
     TooLong {

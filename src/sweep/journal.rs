@@ -10,6 +10,7 @@ use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as
 use std::path::{Path, PathBuf};
 
 use super::error::JournalError;
+use super::fingerprint::FORMAT_VERSION;
 
 /// A table that rows can be appended to.
 pub(super) struct Journal {
@@ -140,6 +141,14 @@ impl Reader<'_> {
 
     fn of_another(&self, found: &[u8], wanted: &str) -> JournalError {
         let found = String::from_utf8_lossy(found);
+        if self.line == 1 && !found.contains('\r') && is_first_line(&found) && is_first_line(wanted) {
+            let version = |line: &str| line["# ".len()..].trim_end().to_owned();
+            return JournalError::OtherVersion {
+                file: self.path.to_owned(),
+                found: version(&found),
+                wanted: version(wanted),
+            };
+        }
         let shown =
             |text: &str| text.trim_end_matches('\n').replace('\r', "\\r").chars().take(SHOWN).collect();
         JournalError::OfAnother {
@@ -164,8 +173,22 @@ fn change(found: &str, wanted: &str) -> String {
     }
 }
 
-/// What a line of the head begins with that tells a fingerprint.
-pub(super) const FINGERPRINT: &str = "# fingerprint of ";
+/// The line of the head with the fingerprint of an input, without its "# ".
+pub(super) fn fingerprint_line(of: &str, print: &str) -> String {
+    format!("{}{of}: {print}", &FINGERPRINT["# ".len()..])
+}
+
+/// The first line of the head, without its "# ". A file with another one was written by another version.
+pub(super) fn first_line() -> String {
+    format!("patchcord {} sweep, format {FORMAT_VERSION}", env!("CARGO_PKG_VERSION"))
+}
+
+/// What the first line of every version's sweep files looks like: "# patchcord 0.1.0 sweep".
+fn is_first_line(line: &str) -> bool {
+    line.strip_prefix("# patchcord ").is_some_and(|rest| rest.contains(" sweep"))
+}
+
+const FINGERPRINT: &str = "# fingerprint of ";
 
 #[cfg(test)]
 mod tests {
@@ -229,6 +252,18 @@ mod tests {
         }
         let error = gone_on(&format!("{WHOLE}3,three\n")).unwrap_err();
         assert!(error.starts_with("FILE goes on after the last row of this sweep, in line 7"), "{error}");
+    }
+
+    #[test]
+    fn a_file_of_another_version_is_left_as_it_is() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        fs::write(file.path(), "# patchcord 0.1.0 sweep\n# patch: a.json\n").unwrap();
+        let head = format!("# {}\n", first_line());
+        let error = Journal::open(file.path(), &head, 3, row, |_| ()).err().unwrap().to_string();
+        let expected = "was written by another version of patchcord (its first line is \"patchcord 0.1.0 sweep\", this \
+             version writes \"patchcord 0.1.0 sweep, format 2\"), and was left as it is: finish it with the version that began \
+             it, or give another file";
+        assert!(error.ends_with(expected), "{error}");
     }
 
     #[test]

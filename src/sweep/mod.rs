@@ -5,6 +5,7 @@
 
 mod bench;
 mod error;
+mod fingerprint;
 mod journal;
 mod pace;
 mod plan;
@@ -16,24 +17,24 @@ pub use error::{JournalError, PlanError};
 pub use plan::{Axis, Plan};
 pub use row::Row;
 
-use std::fmt::{self, Write as _};
 use std::io;
-use std::mem;
 use std::path::Path;
 
 use crate::instruments::{Column, Measure};
 use crate::kernel::LANES;
+use crate::patch::Patch;
 use crate::pool;
 use crate::program::Program;
 use crate::solve::{Backend, Phase, RunError, RunSettings};
 use crate::trace::number;
-use journal::Journal;
+use fingerprint::{canonical_rows, canonical_run, canonical_tables, of_text};
+use journal::{Journal, fingerprint_line, first_line};
 use pace::Pace;
 
 /// Which runs are made, how, and what is measured of each.
 #[derive(Debug)]
 pub struct Sweep {
-    name: String,
+    patch: Patch,
     program: Program,
     settings: RunSettings,
     plan: Plan,
@@ -92,14 +93,14 @@ const MOST_NUMBERS: f64 = 1e7;
 const LAST_COLUMNS: [&str; 2] = ["error", "note"];
 
 impl Sweep {
-    /// A sweep of the runs of a plan. The settings tell how to run; recorded is what the measures read. The name of the
-    /// patch is told in the table.
+    /// A sweep of the runs of a plan. `program` is made from `patch`, perhaps with other parameters. Only the signals that the
+    /// measures read are recorded, whatever the settings say.
     ///
     /// # Errors
     /// When nothing is measured, a measure cannot be read of such runs, two columns would have the same name, or the
     /// settings make no run.
     pub fn new(
-        name: &str,
+        patch: &Patch,
         program: Program,
         settings: RunSettings,
         plan: Plan,
@@ -120,7 +121,7 @@ impl Sweep {
         }
         let settings = RunSettings { record, sensitivities: Vec::new(), lamps: true, ..settings };
         settings.check()?;
-        let sweep = Sweep { name: name.to_owned(), program, settings, plan, measures };
+        let sweep = Sweep { patch: patch.clone(), program, settings, plan, measures };
         let names = sweep.column_names();
         match names.iter().enumerate().find(|(at, name)| names[..*at].contains(name)) {
             Some((_, twice)) => Err(SweepError::SameColumn(twice.clone())),
@@ -161,8 +162,8 @@ impl Sweep {
     /// What stands above the rows: comment lines that tell of which sweep they are, units, and the names of the
     /// columns.
     pub fn head(&self) -> String {
-        let mut lines =
-            vec![format!("patchcord {} sweep", env!("CARGO_PKG_VERSION")), format!("patch: {}", self.name)];
+        let name = Path::new(self.patch.file()).file_name().unwrap_or_default().to_string_lossy();
+        let mut lines = vec![first_line(), format!("patch: {name}")];
         lines.extend(self.plan.texts().iter().map(|axis| format!("vary: {axis}")));
         lines.push(format!("with: {}", self.kept_parameters()));
         lines.push(format!("run: {}", self.run_told()));
@@ -206,19 +207,16 @@ impl Sweep {
         decides.then(|| format!("backend: {backend}"))
     }
 
-    /// Numbers that differ, but for accidents, when something differs on which the rows depend and that no other line
-    /// tells.
+    /// Fingerprints of everything that the rows depend on and that no other line of the head contains.
     fn fingerprints(&self) -> impl Iterator<Item = String> {
-        let mut program = self.program.clone();
-        let tables = (mem::take(&mut program.tables), mem::take(&mut program.corners));
-        let run = (&self.settings.phases, self.settings.hold_on_overload);
-        let rows: Vec<_> = self.plan.rows().collect();
+        let varied: Vec<&str> = self.plan.names().collect();
         let prints = [
-            Some(("the patch", Fnv::of(&(program, run)))),
-            (!tables.0.is_empty()).then(|| ("the patch's tables", Fnv::of(&tables))),
-            (!rows.is_empty()).then(|| ("the file of rows", Fnv::of(&rows))),
+            ("the patch", Some(canonical_run(&self.patch, &self.program, &self.settings, &varied))),
+            ("the patch's tables", canonical_tables(&self.patch)),
+            ("the file of rows", canonical_rows(self.plan.rows())),
         ];
-        prints.into_iter().flatten().map(|(of, Fnv(print))| format!("fingerprint of {of}: {print:016x}"))
+        let text = |(of, text): (&str, Option<String>)| Some(fingerprint_line(of, &of_text(&text?)));
+        prints.into_iter().filter_map(text)
     }
 
     /// Makes all runs on so many threads, and writes head and rows. `progress` is told what [`Sweep::append_to`] tells it.
@@ -325,26 +323,6 @@ fn jumps(phases: &[Phase]) -> bool {
     jumps
 }
 
-/// The hash of Fowler, Noll and Vo, 64 bits, variant 1a.
-struct Fnv(u64);
-
-impl Fnv {
-    fn of(what: &impl fmt::Debug) -> Fnv {
-        let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-        // Writing into it never fails.
-        let _ = write!(hash, "{what:?}");
-        hash
-    }
-}
-
-impl fmt::Write for Fnv {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.0 =
-            text.bytes().fold(self.0, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3));
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -353,13 +331,5 @@ mod tests {
     fn runs_are_shared_out_evenly() {
         let shares = [(1000, 2), (100, 2), (20, 4), (3, 8), (0, 1), (1_000_000, 64)];
         assert_eq!(shares.map(|(runs, threads)| evenly(runs, threads, 16)), [16, 13, 5, 1, 1, 16]);
-    }
-
-    #[test]
-    fn the_hash_is_that_of_its_authors() {
-        let hash = |text: &str| Fnv::of(&format_args!("{text}")).0;
-        assert_eq!(hash(""), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(hash("a"), 0xaf63_dc4c_8601_ec8c);
-        assert_eq!(hash("foobar"), 0x8594_4171_f739_67e8);
     }
 }

@@ -37,7 +37,7 @@ fn sweep(
     let plan = Plan::new(axes, &program).unwrap();
     let measures = measures.iter().map(|text| Measure::parse(text, program.signals()).unwrap()).collect();
     let settings = settings(RunSettings::of(&circuit).unwrap());
-    Sweep::new("a.json", program, settings, plan, measures).unwrap()
+    Sweep::new(patch, program, settings, plan, measures).unwrap()
 }
 
 /// Every row, without the lines above them.
@@ -173,7 +173,7 @@ fn what_cannot_be_swept_is_refused() {
     let made = |measures: &[&str], step: f64| {
         let measures = measures.iter().map(|text| Measure::parse(text, program.signals()).unwrap()).collect();
         let settings = RunSettings { step, ..RunSettings::of(&circuit).unwrap() };
-        Sweep::new("a.json", program.clone(), settings, plan("k=0,1"), measures)
+        Sweep::new(&pot(), program.clone(), settings, plan("k=0,1"), measures)
             .map_err(|error| error.to_string())
     };
     assert_eq!(made(&[], 0.1).unwrap_err(), "nothing is measured");
