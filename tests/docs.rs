@@ -1,8 +1,5 @@
 //! The documents say what is true: paths exist, patches in them run, generated files are fresh.
 
-mod common;
-#[path = "problems/mod.rs"]
-mod problems;
 #[path = "../benches/performance/threads.rs"]
 mod threads;
 
@@ -10,16 +7,17 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use common::files::check_fresh;
-use patchcord::circuit::Circuit;
-use patchcord::elements::reference_page;
-use patchcord::gap::effect::{Attachment, Gives, Library, Reads};
-use patchcord::patch::{Patch, json_schema};
-use patchcord::plot;
-use patchcord::program::Program;
-use patchcord::solve::{Backend, RunSettings};
-use problems::runs;
 use serde_json::Value;
+
+use crate::common::files::check_fresh;
+use crate::known::runs;
+use patchcord::circuit::Circuit;
+use patchcord::draw::plot;
+use patchcord::elements::reference_page;
+use patchcord::ident::effect::{Attachment, Gives, Library, Reads};
+use patchcord::ir::Program;
+use patchcord::patch::{Patch, json_schema};
+use patchcord::solve::{Backend, RunSettings};
 
 fn documents() -> Vec<PathBuf> {
     let mut found = vec!["README.md".into(), "CONTRIBUTING.md".into(), "CHANGELOG.md".into()];
@@ -36,7 +34,7 @@ fn paths_named(text: &str) -> Vec<String> {
     let quoted = text.split('`').skip(1).step_by(2);
     let linked = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
     let is_path = |word: &&str| {
-        let folders = ["src/", "docs/", "tests/", "patches/", "examples/", "benches/", ".ci/"];
+        let folders = ["src/", "crates/", "docs/", "tests/", "patches/", "examples/", "benches/", ".ci/"];
         folders.iter().any(|folder| word.starts_with(folder))
             || (word.ends_with(".md") && !word.contains(' '))
     };
@@ -102,20 +100,20 @@ fn every_patch_shown_is_right() {
 
 #[test]
 fn the_schema_is_fresh() {
-    check_fresh("docs/patch.schema.json", format!("{:#}\n", json_schema()).as_bytes(), "docs");
+    check_fresh("docs/patch.schema.json", format!("{:#}\n", json_schema()).as_bytes(), "patchcord");
 }
 
 #[test]
 fn the_page_of_elements_is_fresh() {
-    check_fresh("docs/elements.md", reference_page().as_bytes(), "docs");
+    check_fresh("docs/elements.md", reference_page().as_bytes(), "patchcord");
 }
 
 #[test]
 fn the_picture_of_all_symbols_is_fresh() {
     let path = "docs/pictures/symbols.svg";
-    let drawing = patchcord::schematic::legend();
+    let drawing = patchcord::draw::schematic::legend();
     let fresh = plot::render_drawing(&drawing, plot::Format::Svg, plot::Theme::Light).unwrap();
-    check_fresh(path, &fresh, "docs");
+    check_fresh(path, &fresh, "patchcord");
 }
 
 /// The first and the last cell of every row of a page's tables.
@@ -211,7 +209,7 @@ fn every_backend_and_every_problem_is_measured() {
     }
     told("sweep", &Backend::ALL);
     told("lanes", &[Backend::Lanes, Backend::Automatic]);
-    for problem in problems::all() {
+    for problem in crate::known::all() {
         let row = format!("\n| {} |", problem.name);
         assert!(measured(&page, "problems").contains(&row), "{} is not measured", problem.name);
     }

@@ -1,21 +1,18 @@
 //! Every patch that comes with the program can be run as it stands.
 
-mod common;
-mod drawn;
-
 use std::thread;
 
 use patchcord::circuit::Circuit;
+use patchcord::ir::Program;
 use patchcord::patch::Patch;
-use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
 
 fn every_patch() -> Vec<Patch> {
-    common::files::shipped().iter().map(|file| common::patch_of(file)).collect()
+    crate::common::files::shipped().iter().map(|file| crate::common::patch_of(file)).collect()
 }
 
 fn circuit(patch: &Patch) -> Circuit {
-    common::circuit(patch, &[])
+    crate::common::circuit(patch, &[])
 }
 
 #[test]
@@ -52,9 +49,9 @@ const LEAST_USED: f64 = 0.5;
 fn every_shipped_patch_is_drawn() {
     for patch in every_patch() {
         let circuit = circuit(&patch);
-        drawn::check(&circuit, patch.file());
-        for diagram in drawn::diagrams(&drawn::schematic(&circuit)) {
-            let used = drawn::marks::used_share(diagram);
+        crate::drawn::check(&circuit, patch.file());
+        for diagram in crate::drawn::diagrams(&crate::drawn::schematic(&circuit)) {
+            let used = crate::drawn::marks::used_share(diagram);
             assert!(used > LEAST_USED, "{}: {used} of the drawing is used", patch.file());
         }
     }

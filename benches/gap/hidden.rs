@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use patchcord::patch::Unit;
 use serde_json::Value;
 
 use crate::Outcome;
+use patchcord::expr::Unit;
 
 /// Cases made by the program in benches/hidden.
 pub struct Hidden {
@@ -60,7 +60,12 @@ impl Hidden {
         succeed(Command::new(&program).arg("--self-test"))?;
         let mut make = Command::new(&program);
         make.arg("--seed").arg(seed.to_string()).arg("--cases").arg(cases.to_string());
-        succeed(make.arg("--out").arg(folder.path()).arg("--patches").arg(root.join("tests/gap/systems")))?;
+        succeed(
+            make.arg("--out")
+                .arg(folder.path())
+                .arg("--patches")
+                .arg(root.join("crates/ident/tests/systems")),
+        )?;
         Ok(Hidden { folder })
     }
 

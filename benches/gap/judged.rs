@@ -3,16 +3,15 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use patchcord::gap::Experiment;
-use patchcord::gap::effect::Library;
-use patchcord::gap::problem::Problem;
-use patchcord::gap::search::{Means, Outcome as Found, Verdict};
-
-use patchcord::patch::Unit;
 use serde_json::Value;
 
 use crate::Outcome;
 use crate::hidden::{Effect, Hidden, Truth, in_si};
+use patchcord::expr::Unit;
+use patchcord::ident::Experiment;
+use patchcord::ident::effect::Library;
+use patchcord::ident::problem::Problem;
+use patchcord::ident::search::{Means, Outcome as Found, Verdict};
 
 /// How an answer stands to the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

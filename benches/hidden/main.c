@@ -8,7 +8,7 @@
  *   --only n    this case alone; it is the same as among others
  *   --clean     records without noise and offset, to compare runs with
  *   --self-test checks against closed solutions; exit 1 where one fails
- * The same seed gives the same bytes. The base patches are tests/gap/systems.
+ * The same seed gives the same bytes. The base patches are crates/ident/tests/systems.
  *
  * Of a hundred cases 35 hide nothing, 40 one effect of the library, 13 one that it does not have, 12 two (plan.c). What is
  * hidden is told in laws.c with its source, how it moves in motion.c: ten steps a sample, of which four times as many change a

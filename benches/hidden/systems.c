@@ -1,4 +1,4 @@
-/* The base systems: what stands in tests/gap/systems under the same name, as equations. */
+/* The base systems: what stands in crates/ident/tests/systems under the same name, as equations. */
 #include "hidden.h"
 
 #define SLIDE_PARAMS {"M", "kg", 400, 100, 1600, 1}, {"K", "N/m", 18e6, 4e6, 80e6, 1}, {"f", "N s/m", 10e3, 0, 60e3, 1}

@@ -9,11 +9,11 @@ use std::path::Path;
 use std::time::Instant;
 use std::{fs, thread};
 
-use patchcord::gap::Experiment;
-use patchcord::gap::effect::Library;
-use patchcord::gap::problem::Problem;
-use patchcord::gap::search::{Means, Outcome};
-use patchcord::gap::stage::Stage;
+use patchcord::ident::Experiment;
+use patchcord::ident::effect::Library;
+use patchcord::ident::problem::Problem;
+use patchcord::ident::search::{Means, Outcome};
+use patchcord::ident::stage::Stage;
 use patchcord::output;
 
 const FOLDER: &str = "patches/measured";

@@ -3,10 +3,9 @@
 
 use std::f64::consts::PI;
 
-use patchcord::gap::model::{Choice, Knob, Model};
-use patchcord::gap::{Experiment, Record};
-
-use patchcord::patch::Patch;
+use patchcord_core::patch::Patch;
+use patchcord_ident::model::{Choice, Knob, Model};
+use patchcord_ident::{Experiment, Record};
 
 /// The filter lets through what is slower than this, in Hz.
 const CUTOFF: f64 = 100.0;

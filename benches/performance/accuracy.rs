@@ -1,14 +1,12 @@
 //! Time until the output velocity of the first 2 s is right to 1e-4 of its peak: every solver with its own settings, from
 //! the quickest to the most careful, until it is.
 
-use patchcord::trace::Trace;
-
-use crate::Outcome;
 use crate::clock::{Work, in_turns, three, told};
 use crate::own::{self, BACKENDS, COMPARED, Fig816, Steps};
-use crate::page;
 use crate::peers::{Peers, Program, Solved};
 use crate::whole::{FIRST_RUN, ROUNDS, STEP};
+use crate::{Outcome, page};
+use patchcord::trace::Trace;
 
 /// The error that has to be reached.
 const WANTED: f64 = 1e-4;

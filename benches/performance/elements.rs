@@ -2,15 +2,13 @@
 
 use std::fmt::Write as _;
 
-use patchcord::circuit::Circuit;
-use patchcord::patch::Patch;
-use patchcord::program::Program;
-use patchcord::solve::RunSettings;
-
-use crate::Outcome;
 use crate::clock::{Work, in_turns, three, timed, told};
 use crate::own::{BACKENDS, Backend, ran};
-use crate::page;
+use crate::{Outcome, page};
+use patchcord::circuit::Circuit;
+use patchcord::ir::Program;
+use patchcord::patch::Patch;
+use patchcord::solve::RunSettings;
 
 /// Elements times steps of one run.
 const WORK: f64 = 2e6;

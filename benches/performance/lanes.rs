@@ -1,13 +1,10 @@
 //! What runs of the sweep of Fig 8.16 cost, the more of them are made side by side.
 
-use patchcord::solve::Backend;
-use patchcord::sweep::Sweep;
-
-use crate::Outcome;
 use crate::clock::{Work, in_turns, three, timed};
 use crate::own::{COMPARED, Fig816};
-use crate::page;
-use crate::throughput;
+use crate::{Outcome, page, throughput};
+use patchcord::solve::Backend;
+use patchcord::sweep::Sweep;
 
 /// So many runs side by side are tried.
 const SIDE_BY_SIDE: [usize; 6] = [1, 2, 4, 8, 16, 32];

@@ -3,12 +3,12 @@
 
 mod accuracy;
 mod clock;
-#[path = "../../tests/common/mod.rs"]
+#[path = "../../crates/core/tests/common/mod.rs"]
 mod common;
 mod elements;
+#[path = "../../crates/core/tests/known/mod.rs"]
+mod known;
 mod lanes;
-#[path = "../../tests/problems/mod.rs"]
-mod library;
 mod own;
 mod page;
 mod peers;

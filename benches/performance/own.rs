@@ -1,14 +1,12 @@
 //! patchcord's own runs of Fig 8.16.
 
+use crate::clock::timed;
+use crate::known::runs;
+use crate::{Outcome, common};
 use patchcord::circuit::Circuit;
-use patchcord::program::Program;
+use patchcord::ir::Program;
 use patchcord::solve::{self, RunSettings};
 use patchcord::trace::Trace;
-
-use crate::Outcome;
-use crate::clock::timed;
-use crate::common;
-use crate::library::runs;
 
 /// A way of running a program: its name, and how it is asked for.
 pub type Backend = (&'static str, fn(RunSettings) -> RunSettings);

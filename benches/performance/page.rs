@@ -3,9 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use patchcord::output;
-
 use crate::Outcome;
+use patchcord::output;
 
 /// Puts a table between `<!-- NAME -->` and `<!-- end of NAME -->`.
 pub fn replace(name: &str, table: &str) -> Outcome<()> {

@@ -1,18 +1,16 @@
 //! The problems with known solutions: error and time, with equal steps and with a tolerance.
 
-use patchcord::solve::RunSettings;
-
-use crate::Outcome;
 use crate::clock::{Work, in_turns, told};
-use crate::library::{self, Problem};
+use crate::known::{self, Problem};
 use crate::own::{BACKENDS, ran};
-use crate::page;
 use crate::whole::ROUNDS;
+use crate::{Outcome, page};
+use patchcord::solve::RunSettings;
 
 const TOLERANCE: f64 = 1e-8;
 
 pub fn table() -> Outcome<String> {
-    let rows = library::all().map(row).collect::<Outcome<Vec<_>>>()?;
+    let rows = known::all().map(row).collect::<Outcome<Vec<_>>>()?;
     let equal = BACKENDS.map(|(name, _)| format!("time, {name}"));
     let head = ["", "over", "step", "error"].into_iter().chain(equal.iter().map(String::as_str));
     let head = head.chain(["error of `--tol 1e-8`", "time"]);

@@ -3,9 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::Outcome;
 use crate::clock::{timed, told};
-use crate::page;
+use crate::{Outcome, page};
 
 /// How often it is started.
 const TIMES: usize = 40;

@@ -1,19 +1,15 @@
 //! 1000 runs of 2 s, VcL 1.27 ... 25.4 mm/s by Tc 6 ... 25 ms: how many a second, each solver at the largest step at which
 //! 95 % of the runs are right to 1e-5 of their peak velocity.
 
-use std::io;
-use std::thread;
+use std::{io, thread};
 
+use crate::clock::{Work, in_turns, three, timed, told};
+use crate::own::{self, BACKENDS_OF_SWEEPS, Backend, Fig816, SAMPLES, Steps};
+use crate::peers::{Peers, RUNS};
+use crate::{Outcome, page, threads};
 use patchcord::instruments::Measure;
 use patchcord::solve::{self, RunSettings};
 use patchcord::sweep::{Axis, Plan, Sweep};
-
-use crate::Outcome;
-use crate::clock::{Work, in_turns, three, timed, told};
-use crate::own::{self, BACKENDS_OF_SWEEPS, Backend, Fig816, SAMPLES, Steps};
-use crate::page;
-use crate::peers::{Peers, RUNS};
-use crate::threads;
 
 /// The share of the runs that has to be right, and to what.
 const SHARE: f64 = 0.95;

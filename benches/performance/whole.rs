@@ -1,12 +1,10 @@
 //! The whole run of 8.4667 s with equal steps of 20 us, recorded every 1 ms; and what recording costs.
 
-use patchcord::solve::RunSettings;
-
-use crate::Outcome;
 use crate::clock::{Work, in_turns, three, told};
 use crate::own::{self, BACKENDS, Fig816, Steps};
-use crate::page;
 use crate::peers::Peers;
+use crate::{Outcome, page};
+use patchcord::solve::RunSettings;
 
 pub const STEP: f64 = 20e-6;
 /// How often everything is measured, in turns.

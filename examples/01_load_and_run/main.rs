@@ -4,11 +4,12 @@ use std::error::Error;
 use std::path::Path;
 
 use patchcord::circuit::Circuit;
+use patchcord::draw;
+use patchcord::draw::plot::{Format, Size, render};
 use patchcord::instruments::{self, Display};
+use patchcord::ir::Program;
 use patchcord::output::write_whole;
 use patchcord::patch::Patch;
-use patchcord::plot::{Format, Size, render};
-use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -28,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     let specs = circuit.picture_specs(["v_o"].into_iter());
-    let picture = instruments::picture(&trace, &specs[0], None)?;
+    let picture = draw::picture(&trace, &specs[0], None)?;
     let file = std::env::temp_dir().join("velocity-profile.svg");
     write_whole(&file, &render(&[picture], Format::from_path(&file)?, Size::default())?)?;
     println!("wrote {}", file.display());

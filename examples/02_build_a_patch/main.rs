@@ -3,8 +3,8 @@
 use std::error::Error;
 
 use patchcord::circuit::Circuit;
+use patchcord::ir::Program;
 use patchcord::patch::{ElementBuilder, PatchBuilder};
-use patchcord::program::Program;
 use patchcord::solve::{self, RunSettings};
 
 fn main() -> Result<(), Box<dyn Error>> {

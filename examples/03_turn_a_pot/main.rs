@@ -4,8 +4,8 @@ use std::error::Error;
 use std::path::Path;
 
 use patchcord::circuit::Circuit;
+use patchcord::ir::Program;
 use patchcord::patch::Patch;
-use patchcord::program::Program;
 use patchcord::solve::Machine;
 
 fn main() -> Result<(), Box<dyn Error>> {

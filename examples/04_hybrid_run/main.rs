@@ -3,11 +3,12 @@
 use std::error::Error;
 
 use patchcord::circuit::Circuit;
-use patchcord::instruments;
+use patchcord::document::Report;
+use patchcord::draw;
+use patchcord::draw::plot::{Format, Size, render};
+use patchcord::ir::Program;
 use patchcord::output::write_whole;
-use patchcord::patch::{ElementBuilder, Patch, PatchBuilder, Report};
-use patchcord::plot::{Format, Size, render};
-use patchcord::program::Program;
+use patchcord::patch::{ElementBuilder, Patch, PatchBuilder};
 use patchcord::solve::{self, Phase, RunSettings};
 use patchcord::trace::Deed;
 
@@ -35,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     let specs = circuit.picture_specs(["y"].into_iter());
-    let picture = instruments::picture(&trace, &specs[0], None)?;
+    let picture = draw::picture(&trace, &specs[0], None)?;
     let file = std::env::temp_dir().join("shots.svg");
     write_whole(&file, &render(&[picture], Format::from_path(&file)?, Size::default())?)?;
     println!("wrote {}", file.display());

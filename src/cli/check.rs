@@ -11,8 +11,9 @@ use super::table::Table;
 use super::times::advice;
 use super::{say, say_json};
 use patchcord::circuit::{Circuit, ScalingRow};
-use patchcord::patch::{Instance, Report};
-use patchcord::program::Program;
+use patchcord::document::Report;
+use patchcord::ir::Program;
+use patchcord::patch::Instance;
 use patchcord::solve::{self, RunError, RunSettings};
 use patchcord::trace::Overload;
 

@@ -10,9 +10,9 @@ use super::files::{check_apart, named_like, prepare, put, written};
 use super::instant::{InstantOption, instant};
 use super::load::{Loaded, PatchArguments, document};
 use super::{say, say_json};
+use patchcord::draw::plot::{Drawing, Format, Theme, render_drawing};
+use patchcord::draw::schematic::{Board, Schematic, Standing};
 use patchcord::instruments::parameter_line;
-use patchcord::plot::{Drawing, Format, Theme, render_drawing};
-use patchcord::schematic::{Board, Schematic, Standing};
 use patchcord::solve::Machine;
 
 #[derive(Args)]

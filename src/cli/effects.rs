@@ -8,8 +8,8 @@ use serde_json::{Map, Value, json};
 use super::failure::Failure;
 use super::table::Table;
 use super::{say, say_json, tell};
-use patchcord::gap::effect::{Effect, Library, Page};
-use patchcord::patch::suggestion;
+use patchcord::document::suggestion;
+use patchcord::ident::effect::{Effect, Library, Page};
 
 #[derive(Args)]
 pub(super) struct Arguments {

@@ -6,8 +6,9 @@ use serde_json::{Value, json};
 use super::failure::Failure;
 use super::table::Table;
 use super::{say, say_json};
+use patchcord::document::suggestion;
 use patchcord::elements::{Kind, Page, REGISTRY, reference_page};
-use patchcord::patch::{json_schema, suggestion};
+use patchcord::patch::json_schema;
 
 #[derive(Args)]
 pub(super) struct Arguments {

@@ -5,10 +5,10 @@ use std::process::ExitCode;
 use serde_json::{Map, Value, json};
 
 use super::{errors_in_colour, say_json, tell, tell_coloured};
-use patchcord::gap::ExperimentError;
-use patchcord::gap::effect::EffectError;
-use patchcord::gap::model::ModelError;
-use patchcord::patch::{PatchError, Report, Severity};
+use patchcord::document::{DocumentError, Report, Severity};
+use patchcord::ident::ExperimentError;
+use patchcord::ident::effect::EffectError;
+use patchcord::ident::model::ModelError;
 use patchcord::solve::RunError;
 
 /// What is told, and whose fault it is.
@@ -142,10 +142,10 @@ impl From<Box<Report>> for Failure {
     }
 }
 
-impl From<PatchError> for Failure {
-    fn from(error: PatchError) -> Self {
+impl From<DocumentError> for Failure {
+    fn from(error: DocumentError) -> Self {
         match error {
-            PatchError::Text(report) => report.into(),
+            DocumentError::Text(report) => report.into(),
             error => Failure::data(error.to_string()),
         }
     }

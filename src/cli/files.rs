@@ -1,18 +1,18 @@
 //! The files that a run writes.
 
 use std::ffi::OsString;
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use clap::Args;
 use serde_json::Value;
 
 use super::failure::Failure;
 use patchcord::circuit::Circuit;
-use patchcord::instruments::{self, parameter_line};
+use patchcord::draw;
+use patchcord::draw::plot::{self, Format, Picture, Size};
+use patchcord::instruments::parameter_line;
 use patchcord::output::{check_folder_takes_files, check_writable, destination, refusal, write_whole};
-use patchcord::plot::{self, Format, Picture, Size};
 use patchcord::trace::Trace;
 
 #[derive(Args)]
@@ -203,9 +203,9 @@ fn pictures(circuit: &Circuit, trace: &Trace) -> Result<Vec<Picture>, Failure> {
     let signals = trace.tracks.iter().filter(|track| track.derivative.is_none());
     let specs = circuit.picture_specs(signals.map(|track| track.name.as_str()));
     let note = parameter_line(circuit);
-    let drawn = specs.iter().map(|spec| instruments::picture(trace, spec, Some(note.clone())));
+    let drawn = specs.iter().map(|spec| draw::picture(trace, spec, Some(note.clone())));
     let drawn = drawn.collect::<Result<Vec<_>, _>>().and_then(|mut pictures| {
-        pictures.extend(instruments::sensitivity_pictures(trace, Some(&note))?);
+        pictures.extend(draw::sensitivity_pictures(trace, Some(&note))?);
         Ok(pictures)
     });
     drawn.map_err(|error| Failure::data(error.to_string()))

@@ -3,22 +3,23 @@
 use std::path::PathBuf;
 use std::thread;
 
+use clap::Args;
+
 use super::failure::{Failure, tell_report};
 use super::files::check_not;
 use super::gap_files::{Folder, embed};
 use super::numbers::{seed, threads};
 use super::progress::Bar;
 use super::{effects, gap_check, gap_report, say, say_json};
-use clap::Args;
-use patchcord::gap::Experiment;
-use patchcord::gap::effect::Library;
-use patchcord::gap::limits::Visible;
-use patchcord::gap::page::Told;
-use patchcord::gap::places::Places;
-use patchcord::gap::problem::Problem;
-use patchcord::gap::progress::{Part, Progress};
-use patchcord::gap::report::asked;
-use patchcord::gap::search::{Means, Outcome};
+use patchcord::ident::Experiment;
+use patchcord::ident::effect::Library;
+use patchcord::ident::limits::Visible;
+use patchcord::ident::page::Told;
+use patchcord::ident::places::Places;
+use patchcord::ident::problem::Problem;
+use patchcord::ident::progress::{Part, Progress};
+use patchcord::ident::report::asked;
+use patchcord::ident::search::{Means, Outcome};
 
 #[derive(Args)]
 pub(super) struct Arguments {

@@ -6,11 +6,11 @@ use serde_json::{Value, json};
 use super::failure::plural;
 use super::gap_report::weakest;
 use super::table::Table;
-use patchcord::gap::effect::Library;
-use patchcord::gap::limits::{Limit, Visible};
-use patchcord::gap::places::Places;
-use patchcord::gap::round::LeftOut;
-use patchcord::gap::{Column, Experiment, Noise, NoiseKind, Record, SHARES, columns};
+use patchcord::ident::effect::Library;
+use patchcord::ident::limits::{Limit, Visible};
+use patchcord::ident::places::Places;
+use patchcord::ident::round::LeftOut;
+use patchcord::ident::{Column, Experiment, Noise, NoiseKind, Record, SHARES, columns};
 use patchcord::instruments::{Display, number};
 
 /// What a record is for, and the record.

@@ -1,15 +1,14 @@
 //! The files that a search leaves in a folder.
 
-use std::fs;
-use std::io;
 use std::path::Path;
+use std::{fs, io};
 
 use serde_json::Value;
 
 use super::failure::Failure;
 use super::files::{check_not, prepare, put, unwritable};
-use patchcord::gap::page::{self, Told};
-use patchcord::gap::{Experiment, table_files};
+use patchcord::ident::page::{self, Told};
+use patchcord::ident::{Experiment, table_files};
 use patchcord::patch::Patch;
 
 const AUGMENTED: &str = "augmented.json";

@@ -1,12 +1,12 @@
 //! What a search found, in words.
 
 use super::table::Table;
-use patchcord::gap::Experiment;
-use patchcord::gap::limits::{Limit, best_places};
-use patchcord::gap::problem::Problem;
-use patchcord::gap::round::{Round, Trial};
-use patchcord::gap::search::{Outcome, Verdict};
-use patchcord::gap::whereabouts::{self, Whereabouts};
+use patchcord::ident::Experiment;
+use patchcord::ident::limits::{Limit, best_places};
+use patchcord::ident::problem::Problem;
+use patchcord::ident::round::{Round, Trial};
+use patchcord::ident::search::{Outcome, Verdict};
+use patchcord::ident::whereabouts::{self, Whereabouts};
 use patchcord::instruments::number;
 
 /// So many trials are told of every round.

@@ -4,7 +4,8 @@ use super::failure::Failure;
 use super::load::{Loaded, problem_check};
 use super::progress::Progress;
 use patchcord::circuit::Circuit;
-use patchcord::patch::{Placed, RunPlan, Span};
+use patchcord::document::{Placed, Span};
+use patchcord::patch::RunPlan;
 use patchcord::solve::{self, Machine, RunError, RunSettings};
 
 /// The option that chooses an instant, for messages.

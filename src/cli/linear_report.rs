@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use super::table::Table;
 use patchcord::instruments::Display;
+use patchcord::ir::{Hold, Port, StateSpace, StateTerm};
 use patchcord::linear::{LinearError, Response, ResponsePoint, Root, Stability, fastest};
-use patchcord::program::{Hold, Port, StateSpace, StateTerm};
 
 /// What was found at an operating point.
 pub(super) struct Analysis<'m> {

@@ -12,10 +12,11 @@ use super::linear_report::{self, Analysis};
 use super::load::{PatchArguments, document};
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
+use patchcord::draw::bode;
+use patchcord::draw::plot::{self, Format, Size};
 use patchcord::instruments::parameter_line;
-use patchcord::linear::{Band, LinearError, Response, Root, Transfer, bode, roots};
-use patchcord::plot::{self, Format, Size};
-use patchcord::program::StateSpace;
+use patchcord::ir::StateSpace;
+use patchcord::linear::{Band, LinearError, Response, Root, Transfer, roots};
 
 #[derive(Args)]
 pub(super) struct Arguments {

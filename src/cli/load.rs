@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 
 use super::failure::{Failure, tell_report};
 use patchcord::circuit::Circuit;
+use patchcord::ir::Program;
 use patchcord::patch::Patch;
-use patchcord::program::Program;
 use patchcord::solve::{Machine, RunError};
 
 /// The patch and its parameters.

@@ -9,7 +9,7 @@ use clap_mangen::Man;
 use super::failure::Failure;
 use super::files::{make_folder, put};
 use super::{definition, say, write_out};
-use patchcord::patch::suggestion;
+use patchcord::document::suggestion;
 
 #[derive(Args)]
 pub(super) struct Arguments {

@@ -14,12 +14,13 @@ use super::run::watched;
 use super::times::{TimeArguments, refused};
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
+use patchcord::document::suggestion;
+use patchcord::draw::plot::{self, Format, Size};
+use patchcord::draw::{Drawn, profile_picture};
 use patchcord::instruments::{
-    Criterion, Display, Drawn, NoCriticalVelocity, ProfileCriterion, ProfileError, Way, critical_range,
-    parameter_line, profile_picture, velocity_profile,
+    Criterion, Display, NoCriticalVelocity, ProfileCriterion, ProfileError, Way, critical_range,
+    parameter_line, velocity_profile,
 };
-use patchcord::patch::suggestion;
-use patchcord::plot::{self, Format, Size};
 use patchcord::solve::RunSettings;
 use patchcord::trace::{Trace, Track};
 

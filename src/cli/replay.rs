@@ -12,9 +12,9 @@ use super::files::{places, prepare, put, written};
 use super::progress::Bar;
 use super::table::Table;
 use super::{say, say_json};
-use patchcord::patch::suggestion;
-use patchcord::plot::Format;
-use patchcord::replay::{self, Claim, Drawn, Examined, Exhibit, Figure, figures};
+use patchcord::document::suggestion;
+use patchcord::draw::plot::Format;
+use patchcord::thesis::replay::{self, Claim, Drawn, Examined, Exhibit, Figure, figures};
 
 #[derive(Args)]
 pub(super) struct Arguments {

@@ -13,9 +13,10 @@ use super::readings::{readings_json, readings_told, sensitivities_json};
 use super::times::{TimeArguments, given, place_told, refused, times_json, with_advice};
 use super::{say, say_json};
 use patchcord::circuit::Circuit;
+use patchcord::document::suggestion;
 use patchcord::instruments::parameter_line;
-use patchcord::patch::{RunPlan, suggestion};
-use patchcord::program::Program;
+use patchcord::ir::Program;
+use patchcord::patch::RunPlan;
 use patchcord::solve::{self, RunError, RunSettings, Stopped};
 use patchcord::trace::{Trace, Work};
 

@@ -13,12 +13,12 @@ use super::progress::Bar;
 use super::slideway_report::{self as report, criterion_told, number};
 use super::times::{FinenessArguments, with_advice};
 use super::{say, say_json};
-use patchcord::chain::{Chain, ChainError, Input, Inputs, Settings, pictures};
+use patchcord::draw::plot::{self, Format, Size};
 use patchcord::instruments::parameter_line;
-use patchcord::plot::{self, Format, Size};
-use patchcord::slideway::ridge::Ridge;
-use patchcord::slideway::units::{CM2, KGF, MM_PER_S, N_PER_MM, POISE, UM};
 use patchcord::solve::RunError;
+use patchcord::thesis::chain::{Chain, ChainError, Input, Inputs, Settings, pictures};
+use patchcord::thesis::slideway::ridge::Ridge;
+use patchcord::thesis::slideway::units::{CM2, KGF, MM_PER_S, N_PER_MM, POISE, UM};
 
 #[derive(Args)]
 pub(super) struct Arguments {

@@ -6,10 +6,10 @@ use serde_json::{Value, json};
 
 use super::table::Table;
 use super::times::times_json;
-use patchcord::chain::{Advice, Chain, Origin, Outcome, Pot, Prediction, Simulation};
 use patchcord::instruments::{CriticalVelocity, Display, NoCriticalVelocity};
-use patchcord::slideway::units::{KGF_PER_CM2, KGF_PER_MM2, MM_PER_S, UM};
 use patchcord::solve::RunSettings;
+use patchcord::thesis::chain::{Advice, Chain, Origin, Outcome, Pot, Prediction, Simulation};
+use patchcord::thesis::slideway::units::{KGF_PER_CM2, KGF_PER_MM2, MM_PER_S, UM};
 
 /// The chain, step by step.
 pub(super) fn told(chain: &Chain) -> String {

@@ -1,8 +1,7 @@
 //! `patchcord sweep`
 
-use std::io;
 use std::path::{Path, PathBuf};
-use std::thread;
+use std::{io, thread};
 
 use clap::Args;
 use serde_json::{Value, json};
@@ -16,8 +15,8 @@ use super::times::{TimeArguments, refused, times_json};
 use super::{say, say_json, tell};
 use patchcord::circuit::Circuit;
 use patchcord::instruments::{Column, Measure, measures};
+use patchcord::ir::Program;
 use patchcord::output::destination;
-use patchcord::program::Program;
 use patchcord::sweep::{Axis, JournalError, Plan, PlanError, Sweep, SweepError, Tally};
 
 #[derive(Args)]
@@ -105,7 +104,8 @@ impl Arguments {
         let measures = measures.map_err(|error| Failure::usage(error.to_string()))?;
         let settings = self.times.settings(&self.times.plan(circuit.run_plan()), circuit);
         let settings = settings.map_err(|error| refused(&error, circuit, self.times.is_to_blame(&error)))?;
-        Sweep::new(circuit.patch(), program, settings, plan, measures).map_err(|error| self.unmade(error, circuit))
+        Sweep::new(circuit.patch(), program, settings, plan, measures)
+            .map_err(|error| self.unmade(error, circuit))
     }
 
     fn unmade(&self, error: SweepError, circuit: &Circuit) -> Failure {

@@ -6,7 +6,8 @@ use serde_json::{Value, json};
 
 use super::failure::Failure;
 use patchcord::circuit::Circuit;
-use patchcord::patch::{Placed, RunPlan, Span};
+use patchcord::document::{Placed, Span};
+use patchcord::patch::RunPlan;
 use patchcord::solve::{Backend, LEAST_TOLERANCE, RunError, RunSettings, TimeSetting};
 
 #[derive(Args)]

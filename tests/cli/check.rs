@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::{code, json, out, patchcord, path};
+use crate::cli::{code, json, out, patchcord, path};
 
 /// 30 V at P, and a summer asked for -300 V by it; P is read with factors and without a scale.
 fn overdriven(folder: &tempfile::TempDir) -> String {
@@ -73,6 +73,6 @@ fn a_parameter_that_was_set_to_0_is_told() {
 fn a_pure_number_has_no_unit() {
     let folder = tempfile::tempdir().unwrap();
     let refused = patchcord(&["check", &overdriven(&folder), "--set", "share=2"]);
-    let told = crate::errors(&refused);
+    let told = crate::cli::errors(&refused);
     assert!(told.contains("share = 2 is outside its range 0 ... 1\n"), "{told}");
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::{FIG_8_16, code, common, errors, json, out, patchcord, path};
+use super::{FIG_8_16, code, errors, json, out, patchcord, path};
 
 #[test]
 fn a_schematic_is_drawn() {
@@ -133,7 +133,7 @@ fn places(mut schematic: serde_json::Value) -> serde_json::Value {
 /// Sheets of one patch can be laid side by side.
 #[test]
 fn every_shipped_patch_is_drawn_with_voltages_in_the_same_places() {
-    for file in common::files::shipped() {
+    for file in crate::common::files::shipped() {
         let patch = file.to_str().unwrap();
         let drawn = |options: &[&str]| {
             let drawn = patchcord(&[&["draw", patch, "--json"], options].concat());

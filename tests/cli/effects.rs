@@ -122,8 +122,8 @@ fn what_is_no_folder_of_effects_is_told() {
     let file = told("patches/effects/drift.json");
     assert!(file.contains("patches/effects/drift.json is a file: name the folder that it is in"), "{file}");
     let folder = tempfile::tempdir().unwrap();
-    std::fs::copy("tests/gap/base.json", folder.path().join("base.json")).unwrap();
-    std::fs::copy("tests/gap/slide.json", folder.path().join("slide.json")).unwrap();
+    std::fs::copy("crates/ident/tests/base.json", folder.path().join("base.json")).unwrap();
+    std::fs::copy("crates/ident/tests/slide.json", folder.path().join("slide.json")).unwrap();
     let both = told(folder.path().to_str().unwrap());
     for wanted in
         ["this is a patch, where an effect is needed", "this is an experiment, where an effect is needed"]

@@ -97,7 +97,7 @@ fn what_does_not_take_part_is_told() {
     for part in ["all rates are 0, but v_i moves", "A3: held where it is", "A3: the point is on a kink"] {
         assert!(rest.contains(part), "{part}\n{rest}");
     }
-    let late = out(&patchcord(&["linearise", "tests/patches/delay-line.json", "--at", "3"]));
+    let late = out(&patchcord(&["linearise", "crates/core/tests/patches/delay-line.json", "--at", "3"]));
     assert!(
         late.contains("at t = 3 s") && late.contains("the loop through D2 has characteristic roots"),
         "{late}"
@@ -149,7 +149,7 @@ fn what_cannot_be_asked_ends_with_2() {
         (FIG_8_04, "--from v_i --to v_o --hz -5:1", "not from -5 to 1 Hz"),
         (FIG_8_04, "--from v_i --to v_o --plot bode.gif", ".svg and .png"),
         (&copy, &format!("--from v_i --to v_o --plot {copy}"), "the patch itself"),
-        ("tests/patches/delay-line.json", "--from sine --to late --hz 1:1e9", "turn the phase"),
+        ("crates/core/tests/patches/delay-line.json", "--from sine --to late --hz 1:1e9", "turn the phase"),
     ] {
         let refused =
             patchcord(&[&["linearise", patch], &options.split(' ').collect::<Vec<_>>()[..]].concat());

@@ -2,7 +2,7 @@
 
 use super::{code, errors, json, out, patchcord};
 
-const LAGS: &str = "tests/patches/lags-in-macros.json";
+const LAGS: &str = "crates/core/tests/patches/lags-in-macros.json";
 
 #[test]
 fn check_lists_macros_with_their_instances() {

@@ -34,7 +34,7 @@ fn the_page_shows_what_the_command_prints() {
         fs::write(PAGE, &fresh).unwrap();
     }
     let page = fs::read_to_string(PAGE).unwrap();
-    assert!(page == fresh, "{PAGE} is stale: PATCHCORD_BLESS=1 cargo test --test cli rewrites it");
+    assert!(page == fresh, "{PAGE} is stale: PATCHCORD_BLESS=1 cargo test -p patchcord rewrites it");
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn the_picture_of_a_way_back_says_so() {
 
 #[test]
 fn ports_of_instances_are_signals() {
-    let lags = "tests/patches/lags-in-macros.json";
+    let lags = "crates/core/tests/patches/lags-in-macros.json";
     let ports = ["--signals", "W.between,L.minus", "--threshold", "100", "--every", "1e-3"];
     let done = patchcord(&[&["profile", lags], &ports[..], &["--json"]].concat());
     let profile = &json(&done)["profile"];

@@ -48,8 +48,16 @@ fn a_run_that_stops_writes_what_it_recorded() {
     let folder = tempfile::tempdir().unwrap();
     let csv = path(&folder, "ball.csv");
     // A ball that never comes to rest bounces without end.
-    let endless =
-        ["run", "tests/patches/bouncing-ball.json", "--set", "v_rest=0", "--set", "e=0.5", "--csv", &csv];
+    let endless = [
+        "run",
+        "crates/core/tests/patches/bouncing-ball.json",
+        "--set",
+        "v_rest=0",
+        "--set",
+        "e=0.5",
+        "--csv",
+        &csv,
+    ];
     let ran = patchcord(&endless);
     assert_eq!((code(&ran), out(&ran).as_str()), (1, ""));
     assert!(errors(&ran).contains("it chatters; give it a larger \"rest\""), "{}", errors(&ran));
@@ -103,7 +111,7 @@ fn names_to_record_may_stand_apart() {
 
 #[test]
 fn a_ball_at_rest_reads_0() {
-    let ran = patchcord(&["run", "tests/patches/bouncing-ball.json", "--set", "e=0.5"]);
+    let ran = patchcord(&["run", "crates/core/tests/patches/bouncing-ball.json", "--set", "e=0.5"]);
     let told = out(&ran);
     let height = told.lines().find(|line| line.starts_with("height")).unwrap();
     assert_eq!(height.split_whitespace().nth(3), Some("0"), "{told}");

@@ -21,8 +21,14 @@ fn the_page_shows_what_the_command_prints() {
 fn derivatives_are_columns_readings_and_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let (svg, csv) = (path(&folder, "ball.svg"), path(&folder, "ball.csv"));
-    let arguments =
-        ["run", "tests/patches/bouncing-ball.json", "--record", "height", "--sensitivity", "e, g,e"];
+    let arguments = [
+        "run",
+        "crates/core/tests/patches/bouncing-ball.json",
+        "--record",
+        "height",
+        "--sensitivity",
+        "e, g,e",
+    ];
     let told = json(&patchcord(&[&arguments[..], &["--json", "--csv", &csv, "--plot", &svg]].concat()));
     let names: Vec<_> =
         told["readings"].as_array().unwrap().iter().map(|reading| &reading["signal"]).collect();
@@ -49,7 +55,7 @@ fn derivatives_are_columns_readings_and_pictures() {
 
 #[test]
 fn what_has_no_derivative_is_told() {
-    let noise = "tests/patches/memory.json";
+    let noise = "crates/core/tests/patches/memory.json";
     for (patch, options, told, wanted) in [
         (FIG_8_16, "--sensitivity m", "there is no parameter m to differentiate by; did you mean \"M\"?", 2),
         ("patches/problems/bouncing-ball.json", "--sensitivity e", "differentiate by; the patch has none", 2),
@@ -95,7 +101,7 @@ fn a_patch_may_show_derivatives_in_its_own_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let (patch, csv, svg) =
         (path(&folder, "ball.json"), path(&folder, "ball.csv"), path(&folder, "ball.svg"));
-    let text = fs::read_to_string("tests/patches/bouncing-ball.json").unwrap();
+    let text = fs::read_to_string("crates/core/tests/patches/bouncing-ball.json").unwrap();
     fs::write(&patch, text.replace(r#""y": ["height"]"#, r#""y": ["height", "d velocity / d e"]"#)).unwrap();
     assert_eq!(code(&patchcord(&["check", &patch])), 0);
     let ran = patchcord(&["run", &patch, "--csv", &csv, "--plot", &svg]);

@@ -1,8 +1,7 @@
 //! What the tests of lessons share: waiting for a voltage to pass 0.
 
-use patchcord::solve::Machine;
-
 use crate::common::root;
+use patchcord::solve::Machine;
 
 /// Runs on until a reading rises through 0, leaves the machine there, and tells the time.
 pub fn next_rise<'p>(machine: &mut Machine<'p>, reading: impl Fn(&Machine<'p>) -> f64) -> f64 {

@@ -1,7 +1,7 @@
 //! A ball in a box: parabolas between blows, heights and velocities in geometric series.
 
 use crate::common::{ran, voltage};
-use crate::problems::runs::{program, run, step_of, values};
+use crate::known::runs::{program, run, step_of, values};
 
 const STEM: &str = "lessons/bouncing-ball";
 const G: f64 = 9.81;

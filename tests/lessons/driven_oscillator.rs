@@ -2,9 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crate::known::runs::{run, values};
 use patchcord::instruments::harmonic;
-
-use crate::problems::runs::{run, values};
 
 const STEM: &str = "lessons/driven-oscillator";
 

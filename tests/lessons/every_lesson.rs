@@ -4,11 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use patchcord::solve::RunSettings;
 use serde_json::Value;
 
 use crate::common::shipped;
-use crate::problems::runs::{circuit, ran_circuit, settings};
+use crate::known::runs::{circuit, ran_circuit, settings};
+use patchcord::solve::RunSettings;
 
 fn stems() -> Vec<String> {
     let files = fs::read_dir("patches/lessons").unwrap().map(|entry| entry.unwrap().path());
@@ -89,10 +89,6 @@ fn every_lesson_shows_its_pictures_as_they_are_drawn() {
             fs::copy(&fresh, &stored).unwrap();
         }
         let same = fs::read(&stored).ok() == fs::read(&fresh).ok();
-        assert!(
-            same,
-            "{} is stale: PATCHCORD_BLESS=1 cargo test --test lessons rewrites it",
-            stored.display()
-        );
+        assert!(same, "{} is stale: PATCHCORD_BLESS=1 cargo test -p patchcord rewrites it", stored.display());
     }
 }

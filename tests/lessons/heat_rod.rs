@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use crate::common::{ran, voltage};
-use crate::problems::heat_rod::{CELLS, HOT, RATE, chain};
-use crate::problems::runs::{program, step_of};
+use crate::known::heat_rod::{CELLS, HOT, RATE, chain};
+use crate::known::runs::{program, step_of};
 
 const STEM: &str = "lessons/heat-rod";
 

@@ -1,8 +1,8 @@
 //! Lorenz: fixed points, symmetry, contraction, and the first peaks.
 
-use crate::bench::next_rise;
 use crate::common::{ran, voltage};
-use crate::problems::runs::{program, run, step_of};
+use crate::known::runs::{program, run, step_of};
+use crate::lessons::bench::next_rise;
 
 const STEM: &str = "lessons/lorenz";
 const PROFILE: f64 = 0.6;

@@ -2,11 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use patchcord::program::Program;
-
-use crate::bench::next_rise;
 use crate::common::{order, ran, voltage};
-use crate::problems::runs::{program, step_of};
+use crate::known::runs::{program, step_of};
+use crate::lessons::bench::next_rise;
+use patchcord::ir::Program;
 
 const STEM: &str = "lessons/mass-and-spring";
 

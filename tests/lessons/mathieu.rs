@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::common::{ran, voltage};
-use crate::problems::runs::{peak, program, run, step_of, values};
+use crate::known::runs::{peak, program, run, step_of, values};
 
 const STEM: &str = "lessons/mathieu";
 

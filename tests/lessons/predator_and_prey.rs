@@ -2,11 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use patchcord::solve::Machine;
-
-use crate::bench::next_rise;
 use crate::common::{ran, voltage};
-use crate::problems::runs::{program, run, step_of, values};
+use crate::known::runs::{program, run, step_of, values};
+use crate::lessons::bench::next_rise;
+use patchcord::solve::Machine;
 
 const STEM: &str = "lessons/predator-and-prey";
 const ALPHA: f64 = 0.55;

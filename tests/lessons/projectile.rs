@@ -1,8 +1,8 @@
 //! A thrown ball: range and time of flight with and without drag.
 
-use crate::bench::next_rise;
 use crate::common::{ran, voltage};
-use crate::problems::runs::{circuit, program, ran_circuit, settings, step_of, values};
+use crate::known::runs::{circuit, program, ran_circuit, settings, step_of, values};
+use crate::lessons::bench::next_rise;
 
 const STEM: &str = "lessons/projectile";
 const M: f64 = 0.145;

@@ -1,11 +1,10 @@
 //! Thermostat: how long the heater is on and off.
 
-use patchcord::solve::Machine;
-
-use crate::bench::next_rise;
 use crate::common::{ran, voltage};
-use crate::problems::lessons::thermostat;
-use crate::problems::runs::{program, step_of};
+use crate::known::lessons::thermostat;
+use crate::known::runs::{program, step_of};
+use crate::lessons::bench::next_rise;
+use patchcord::solve::Machine;
 
 const STEM: &str = "lessons/relay-thermostat";
 

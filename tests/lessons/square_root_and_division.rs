@@ -2,11 +2,10 @@
 
 use std::f64::consts::PI;
 
-use patchcord::solve;
-
 use crate::common::{program_of, ran, voltage};
-use crate::problems::lessons::torricelli;
-use crate::problems::runs::{circuit, program, settings, step_of};
+use crate::known::lessons::torricelli;
+use crate::known::runs::{circuit, program, settings, step_of};
+use patchcord::solve;
 
 const STEM: &str = "lessons/square-root-and-division";
 

@@ -2,11 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use patchcord::solve::Machine;
-
-use crate::bench::next_rise;
 use crate::common::{ran, voltage};
-use crate::problems::runs::{program, run, step_of};
+use crate::known::runs::{program, run, step_of};
+use crate::lessons::bench::next_rise;
+use patchcord::solve::Machine;
 
 const STEM: &str = "lessons/stick-slip";
 const K: f64 = 200.0;

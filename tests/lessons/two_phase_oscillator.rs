@@ -2,9 +2,9 @@
 
 use std::f64::consts::{FRAC_2_PI, TAU};
 
-use crate::bench::next_rise;
 use crate::common::{ran, root, voltage};
-use crate::problems::runs::{program, step_of};
+use crate::known::runs::{program, step_of};
+use crate::lessons::bench::next_rise;
 
 const STEM: &str = "lessons/two-phase-oscillator";
 

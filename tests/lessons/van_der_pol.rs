@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::bench::next_rise;
 use crate::common::{ran, voltage};
-use crate::problems::runs::{program, step_of};
+use crate::known::runs::{program, step_of};
+use crate::lessons::bench::next_rise;
 
 const STEM: &str = "lessons/van-der-pol";
 const POSITION: f64 = 0.025;

@@ -1,0 +1,189 @@
+//! A sustained oscillation, of whatever shape: amplitude and frequency.
+
+use super::is_signal;
+use super::ringing::vertex;
+
+/// What a signal that goes on swinging tells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Oscillation {
+    /// Half of the way from its least to its largest value, in the unit of the signal.
+    pub amplitude: f64,
+    /// Whole cycles over the time that they take, in Hz.
+    pub frequency: f64,
+    /// How many whole cycles were read.
+    pub cycles: usize,
+}
+
+/// Why there is no reading.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum OscillationError {
+    /// Times and values do not make a signal.
+    #[error("a signal has one finite value for each of its times, which rise")]
+    NotASignal,
+    /// It does not go to and fro, or not often enough.
+    #[error("no oscillation: {0} of at least {FEWEST_CYCLES} whole cycles")]
+    TooFewCycles(usize),
+    /// There are too few samples in a cycle.
+    #[error("{0:.1} samples in a cycle: at least {FEWEST_SAMPLES} are needed")]
+    TooCoarse(f64),
+}
+
+const FEWEST_CYCLES: usize = 2;
+const FEWEST_SAMPLES: f64 = 8.0;
+/// A cycle goes at least this share of the whole swing to either side of the middle; less is ripple.
+const BAND: f64 = 0.1;
+/// A swing below this share of the largest value is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Reads amplitude and frequency off a signal, from its rises through the middle between its least and largest value.
+/// The signal must have settled: a drift or a decay counts as amplitude. Extremes are refined by the parabola through
+/// three samples; at a corner, by the straight lines on both sides of it. `time` in seconds, rising.
+///
+/// # Errors
+/// When the signal is not one, shows fewer than two whole cycles, or fewer than eight samples a cycle.
+pub fn oscillation(time: &[f64], values: &[f64]) -> Result<Oscillation, OscillationError> {
+    oscillation_within(time, values, [f64::NEG_INFINITY, f64::INFINITY])
+}
+
+/// The same of a signal of which it is known how far it goes: no corner lies beyond.
+pub(super) fn oscillation_within(
+    time: &[f64],
+    values: &[f64],
+    [least, most]: [f64; 2],
+) -> Result<Oscillation, OscillationError> {
+    if values.is_empty() || !is_signal(time, values) {
+        return Err(OscillationError::NotASignal);
+    }
+    let (low, high) = (extreme(time, values, -1.0, least), extreme(time, values, 1.0, most));
+    let rises = rises(time, values, (low, high));
+    let cycles = rises.len().saturating_sub(1);
+    if cycles < FEWEST_CYCLES || high - low <= ROUNDING * low.abs().max(high.abs()) {
+        return Err(OscillationError::TooFewCycles(cycles.min(FEWEST_CYCLES - 1)));
+    }
+    let (begin, end) = (rises[0], rises[cycles]);
+    let samples = time.iter().filter(|instant| (begin..end).contains(*instant)).count() as f64;
+    if samples < FEWEST_SAMPLES * cycles as f64 {
+        return Err(OscillationError::TooCoarse(samples / cycles as f64));
+    }
+    Ok(Oscillation { amplitude: 0.5 * (high - low), frequency: cycles as f64 / (end - begin), cycles })
+}
+
+/// The largest value (sign 1) or the least one (sign -1); a corner no further than the limit.
+pub(super) fn extreme(time: &[f64], values: &[f64], sign: f64, limit: f64) -> f64 {
+    let mut best = 0;
+    for (index, value) in values.iter().enumerate() {
+        if sign * (value - values[best]) > 0.0 {
+            best = index;
+        }
+    }
+    let inside = best > 0 && best + 1 < values.len();
+    if !inside || values[best - 1] == values[best] || values[best] == values[best + 1] {
+        return values[best];
+    }
+    match corner(time, values, best) {
+        Some(corner) => sign * (sign * values[best]).max((sign * corner).min(sign * limit)),
+        None => vertex(&time[best - 1..=best + 1], &values[best - 1..=best + 1]).value,
+    }
+}
+
+/// At a top that is a corner rather than round: where the straight lines on both sides of it meet.
+fn corner(time: &[f64], values: &[f64], top: usize) -> Option<f64> {
+    if top < 2 || top + 2 >= values.len() {
+        return None;
+    }
+    let slope = |from: usize| (values[from + 1] - values[from]) / (time[from + 1] - time[from]);
+    let bend = |at: usize| ((slope(at) - slope(at - 1)) / (time[at + 1] - time[at - 1])).abs();
+    let [before, after] = [bend(top - 1), bend(top + 1)];
+    if before.min(after) > ROUND * bend(top) {
+        return None;
+    }
+    // The top itself lies on the side that is the straighter with it.
+    let (left, right) = if before < after { (top - 1, top + 1) } else { (top - 2, top) };
+    let (up, down) = (slope(left), slope(right));
+    let reach = time[right] - time[left + 1];
+    let beyond = (values[right] - values[left + 1] - down * reach) / (up - down);
+    (up * down < 0.0).then_some(values[left + 1] + up * beyond)
+}
+
+/// A round top bends beside itself by more than this share of what it bends at itself: a sine of eight samples by 0.41.
+const ROUND: f64 = 0.25;
+
+/// When the signal rises through the middle, on its way from below a band about it to above.
+fn rises(time: &[f64], values: &[f64], (low, high): (f64, f64)) -> Vec<f64> {
+    let (middle, band) = (0.5 * (low + high), BAND * (high - low));
+    let (mut came_from_below, mut crossed, mut found) = (false, None, Vec::new());
+    for index in 0..values.len() {
+        if values[index] < middle - band {
+            (came_from_below, crossed) = (true, None);
+        }
+        if came_from_below && index > 0 && values[index - 1] < middle && values[index] >= middle {
+            let share = (middle - values[index - 1]) / (values[index] - values[index - 1]);
+            crossed = Some(time[index - 1] + share * (time[index] - time[index - 1]));
+        }
+        if came_from_below && values[index] > middle + band {
+            found.extend(crossed);
+            came_from_below = false;
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::instruments::sampled;
+
+    #[test]
+    fn a_sine_is_read() {
+        for (frequency, phase) in [(7.0, 0.3), (51.9, -2.0), (0.8, 1.0)] {
+            let (time, values) = sampled(10_000, 1e-3, |t| 3.0 + 2.0 * (TAU * frequency * t + phase).sin());
+            let read = oscillation(&time, &values).unwrap();
+            assert!((read.amplitude - 2.0).abs() < 1e-4, "{read:?}");
+            assert!((read.frequency / frequency - 1.0).abs() < 1e-4, "{read:?}");
+        }
+    }
+
+    /// Heats towards 1 and cools towards -3, from a corner at 0.2 to one at 0.1.
+    fn thermostat(time: f64) -> f64 {
+        let (rise, fall) = ((0.9f64 / 0.8).ln(), (3.2f64 / 3.1).ln());
+        let phase = time.rem_euclid(rise + fall);
+        if phase < rise { 1.0 - 0.9 * (-phase).exp() } else { 3.2 * (rise - phase).exp() - 3.0 }
+    }
+
+    #[test]
+    fn corners_are_met_and_not_passed() {
+        for spacing in [0.003, 0.007, 0.011] {
+            let (time, values) = sampled(2000, spacing, |t| thermostat(t + 0.05));
+            let read = oscillation(&time, &values).unwrap();
+            assert!((read.amplitude / 0.05 - 1.0).abs() < 2e-3, "{spacing}: {read:?}");
+            let known = oscillation_within(&time, &values, [0.1, 0.2]).unwrap();
+            assert!((-1e-3..=1e-15).contains(&(known.amplitude / 0.05 - 1.0)), "{spacing}: {known:?}");
+        }
+    }
+
+    #[test]
+    fn ripple_on_slips_is_not_counted() {
+        let slips = |t: f64| (t * 5.0).fract().powi(4) + 0.05 * (TAU * 60.0 * t).sin();
+        let (time, values) = sampled(4001, 1e-3, slips);
+        let read = oscillation(&time, &values).unwrap();
+        assert_eq!(read.cycles, 19, "{read:?}");
+        assert!((read.frequency - 5.0).abs() < 0.01, "{read:?}");
+    }
+
+    #[test]
+    fn what_does_not_oscillate_is_refused() {
+        let read = |signal: &dyn Fn(f64) -> f64| {
+            let (time, values) = sampled(1000, 1e-3, signal);
+            oscillation(&time, &values)
+        };
+        assert_eq!(read(&|_| 2.0), Err(OscillationError::TooFewCycles(0)));
+        assert_eq!(read(&|t| t), Err(OscillationError::TooFewCycles(0)));
+        assert_eq!(read(&|t| (TAU * t).sin()), Err(OscillationError::TooFewCycles(0)));
+        assert_eq!(read(&|t| 1.0 + 1e-12 * (50.0 * t).sin()), Err(OscillationError::TooFewCycles(1)));
+        assert!(matches!(read(&|t| (TAU * 180.0 * t).sin()), Err(OscillationError::TooCoarse(_))));
+        assert_eq!(oscillation(&[], &[]), Err(OscillationError::NotASignal));
+        assert_eq!(oscillation(&[0.0, 1.0], &[0.0, f64::NAN]), Err(OscillationError::NotASignal));
+    }
+}

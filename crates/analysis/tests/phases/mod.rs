@@ -1,0 +1,406 @@
+//! Runs made of phases: held against closed solutions, fresh patches, and the same run written another way.
+
+mod refused;
+
+use crate::common::{element, patch, source, volts};
+use patchcord_analysis::instruments::missed;
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
+use patchcord_core::patch::{Patch, PatchBuilder};
+use patchcord_core::solve::{self, Change, Phase, RunSettings, Stopped};
+use patchcord_core::trace::{Deed, Ending, Mark, Trace};
+use patchcord_expr::Formula;
+
+const OPERATE: Deed = Deed::Operate { until: None };
+
+/// The record of a patch in steps of 1 ms, or why it stopped.
+fn tried(patch: &Patch, phases: &[Phase], every: f64, record: &[&str]) -> Result<Trace, Stopped> {
+    let circuit = Circuit::new(patch, &[]).unwrap_or_else(|report| panic!("{report}"));
+    let program = Program::new(&circuit).unwrap_or_else(|report| panic!("{report}"));
+    let record = record.iter().map(|name| (*name).to_owned()).collect();
+    let own = RunSettings::of(&circuit).unwrap();
+    solve::run(&program, &RunSettings { phases: phases.to_vec(), every, record, ..own })
+}
+
+fn run(patch: &Patch, phases: &[Phase], every: f64, record: &[&str]) -> Trace {
+    tried(patch, phases, every, record).unwrap_or_else(|stopped| panic!("{stopped}"))
+}
+
+fn made(builder: PatchBuilder) -> Patch {
+    builder.build().unwrap_or_else(|report| panic!("{report}"))
+}
+
+fn repeat(times: u64, phases: &[Phase]) -> Phase {
+    Phase::Repeat { times, phases: phases.to_vec() }
+}
+
+fn hold(time: f64) -> Phase {
+    Phase::Hold { time }
+}
+
+const INITIAL: Phase = Phase::InitialCondition;
+
+/// 80 V that decay with the rate `a`; K1 releases at 20 V.
+fn decay() -> Patch {
+    made(
+        volts("decay")
+            .parameter("a", 1.0, "1/s", [0.1, 10.0])
+            .parameter("start", 80.0, "V", [1.0, 99.0])
+            .element("A1", element("integrator").cords("x10", ["P1"]).set("initial", "start"))
+            .element("P1", element("pot").cord("in", "A1").set("setting", "a / 10"))
+            .element("K1", relay("A1", 20.0, 30.0))
+            .signal("level", "A1", "volt", 1.0),
+    )
+}
+
+fn relay(input: &str, drop_out: f64, pull_in: f64) -> patchcord_core::patch::ElementBuilder {
+    let thresholds = element("relay").set("drop_out", drop_out).set("pull_in", pull_in);
+    thresholds.cord("in", input).cord("on", "+100").cord("off", "-100")
+}
+
+/// A sine of 1 Hz and its integral.
+fn driven() -> Patch {
+    let sine = element("sine").set("amplitude", 30).set("frequency", 1);
+    let builder = volts("driven").drive("u", "volt", sine);
+    made(builder.element("A1", element("integrator").cords("x1", ["u"])))
+}
+
+/// Kind, begin and end of every phase.
+fn told(trace: &Trace) -> Vec<(Deed, f64, f64)> {
+    trace.marks.iter().map(|mark| (mark.phase.clone(), mark.begin, mark.end)).collect()
+}
+
+/// The samples of the first signal that belong to a phase.
+fn samples_of(trace: &Trace, phase: usize) -> Vec<(f64, f64)> {
+    let those = (0..trace.len()).filter(|sample| trace.phase_of(*sample) == phase);
+    those.map(|sample| (trace.time[sample], trace.tracks[0].volts[sample])).collect()
+}
+
+#[test]
+fn a_phase_ends_at_the_instant_at_which_its_relay_switches() {
+    for step in [1e-3, 1e-2] {
+        let circuit = Circuit::new(&decay(), &[]).unwrap();
+        let settings = RunSettings {
+            phases: vec![Phase::operate_until(10.0, "K1", None)],
+            step,
+            every: 0.1,
+            ..RunSettings::of(&circuit).unwrap()
+        };
+        let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
+        let mark = &trace.marks[1];
+        // 80 e^-t = 20. The order of the step leaves 1e-9 s at 1e-2 s.
+        assert!((mark.end - 4.0_f64.ln()).abs() < 1e-9, "{step}: {}", mark.end - 4.0_f64.ln());
+        assert_eq!(mark.ended, Ending::Switched("released".to_owned()));
+        let (time, volts) = *samples_of(&trace, 1).last().unwrap();
+        assert!(time == mark.end && (volts - 20.0).abs() < 1e-9, "{volts} at {time}");
+    }
+}
+
+#[test]
+fn a_phase_may_wait_for_one_position_of_two() {
+    // A triangle from 0 that switches at 0.25 s, at 20 V, and at 0.625 s, at -10 V.
+    let oscillator = patch("relay-oscillator");
+    for (becomes, at, position) in [
+        (None, 0.25, "pulled-in"),
+        (Some("pulled-in"), 0.25, "pulled-in"),
+        (Some("released"), 0.625, "released"),
+    ] {
+        let trace = run(&oscillator, &[Phase::operate_until(5.0, "K1", becomes)], 1e-2, &["triangle"]);
+        assert!((trace.marks[1].end - at).abs() < 1e-12, "{:?}", trace.marks[1]);
+        assert_eq!(trace.marks[1].ended, Ending::Switched(position.to_owned()));
+    }
+    let twice = [Phase::operate_until(5.0, "K1", None), Phase::operate_until(5.0, "K1", None)];
+    let trace = run(&oscillator, &twice, 1e-2, &["triangle"]);
+    assert!((trace.marks[2].end - 0.625).abs() < 1e-12, "each phase waits for the next switching");
+}
+
+#[test]
+fn a_relay_that_a_jump_switches_ends_its_phase_there() {
+    let jump = element("step").set("height", 50).set("at", 0.55);
+    let builder = volts("jump").drive("u", "volt", jump).element("K1", relay("u", 20.0, 30.0));
+    let trace = run(&made(builder), &[Phase::operate_until(2.0, "K1", None)], 0.1, &["u"]);
+    assert!((trace.marks[1].end - 0.55).abs() < 1e-12, "{:?}", trace.marks);
+}
+
+#[test]
+fn what_jumps_where_a_phase_ends_is_written_down_before_and_after() {
+    let until = || Phase::operate_until(5.0, "K1", None);
+    // The relay switches from -10 V to 10 V at 0.25 s; both where a sample is due there and where none is.
+    for every in [0.25, 0.1] {
+        let trace = run(&patch("relay-oscillator"), &[until(), hold(0.1)], every, &["K1"]);
+        let (end, begin) = (*samples_of(&trace, 1).last().unwrap(), samples_of(&trace, 2)[0]);
+        assert_eq!((end.1, begin.1), (-10.0, 10.0), "{every}");
+        assert!((end.0 - 0.25).abs() < 1e-12 && (begin.0 - 0.25).abs() < 1e-12, "{end:?} {begin:?}");
+        let alone = run(&patch("relay-oscillator"), &[until()], every, &["K1"]);
+        assert_eq!(alone.tracks[0].volts[alone.len() - 2..], [-10.0, 10.0], "{every}");
+        assert_eq!(alone.tracks[0].courses[0].end, 10.0);
+    }
+}
+
+#[test]
+fn a_relay_that_never_switches_leaves_the_phase_its_time() {
+    let trace = run(&decay(), &[Phase::operate_until(0.5, "K1", None), hold(0.1)], 0.1, &["level"]);
+    let mark = &trace.marks[1];
+    assert_eq!((mark.end, &mark.ended, mark.waited_in_vain()), (0.5, &Ending::Time, true));
+    assert_eq!(missed(mark).unwrap(), "K1 did not switch within 0.5 s");
+    assert_eq!((trace.marks[2].waited_in_vain(), missed(&trace.marks[2])), (false, None));
+}
+
+#[test]
+fn hold_keeps_every_voltage_and_the_drives_while_the_clock_runs_on() {
+    let phases = [Phase::operate(0.4), hold(0.35), Phase::operate(0.4)];
+    let trace = run(&driven(), &phases, 0.1, &["u", "A1"]);
+    assert_eq!(told(&trace)[1..], [(OPERATE, 0.0, 0.4), (Deed::Hold, 0.4, 0.75), (OPERATE, 0.75, 1.15)]);
+    assert_eq!(trace.marks[3].problem_time, 0.4);
+    let held = trace.marks[2].sample..=trace.marks[3].sample;
+    assert_eq!(trace.time[held.clone()], [0.4, 0.5, 0.6, 0.7, 0.75]);
+    for track in &trace.tracks {
+        assert!(track.volts[held.clone()].iter().all(|volts| *volts == track.volts[*held.start()]));
+    }
+    let plain = run(&driven(), &[Phase::operate(0.4), Phase::operate(0.4)], 0.05, &["u", "A1"]);
+    for (track, plain) in trace.tracks.iter().zip(&plain.tracks) {
+        // 0.8 s of the record are 0.45 s of the problem.
+        let after = &track.volts[*held.end() + 1..];
+        let expected: Vec<f64> = plain.volts[9..=15].iter().copied().step_by(2).collect();
+        assert_eq!(after, expected, "{}", track.name);
+    }
+}
+
+#[test]
+fn a_hold_in_between_changes_no_step() {
+    let halves = [Phase::operate(0.5), Phase::operate(0.5)];
+    let held = [Phase::operate(0.5), hold(1.0), Phase::operate(0.5)];
+    let [plain, held] = [&halves[..], &held].map(|phases| run(&driven(), phases, 0.5, &["u", "A1"]));
+    assert_eq!(plain.sweeps[0].work, held.sweeps[0].work);
+    for (plain, held) in plain.tracks.iter().zip(&held.tracks) {
+        assert_eq!(plain.courses[0].end, held.courses[0].end);
+    }
+}
+
+#[test]
+fn initial_condition_begins_a_run_like_the_first() {
+    let once = [INITIAL, Phase::operate(0.3), hold(0.2)];
+    let trace = run(&driven(), &[&once[..], &once].concat(), 0.1, &["u", "A1"]);
+    let half = trace.len() / 2;
+    assert_eq!((trace.sweeps.len(), trace.sweeps[1].first), (2, half));
+    assert_eq!(trace.time[..half], trace.time[half..]);
+    assert!(trace.tracks.iter().all(|track| track.volts[..half] == track.volts[half..]));
+}
+
+#[test]
+fn a_run_begins_in_initial_condition_whether_it_says_so_or_not() {
+    let phases = [Phase::operate(0.3)];
+    let said = [&[INITIAL][..], &phases].concat();
+    assert_eq!(run(&driven(), &phases, 0.1, &["A1"]), run(&driven(), &said, 0.1, &["A1"]));
+    let settings = RunSettings::of(&Circuit::new(&driven(), &[]).unwrap()).unwrap().lasting(0.3);
+    assert_eq!(settings.phases, said);
+}
+
+#[test]
+fn a_parameter_set_in_initial_condition_is_as_if_the_patch_had_it() {
+    let circuit = Circuit::new(&decay(), &[("start".to_owned(), 60.0), ("a".to_owned(), 2.5)]).unwrap();
+    let settings = RunSettings { every: 0.1, ..RunSettings::of(&circuit).unwrap() };
+    let fresh = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
+    let phases = [INITIAL, Phase::set("start", 60.0), Phase::set("a", 2.5), Phase::operate(1.0)];
+    let set = run(&decay(), &phases, 0.1, &["level"]);
+    assert_eq!((&set.time, &set.tracks), (&fresh.time, &fresh.tracks));
+    assert_eq!(set.sweeps, fresh.sweeps);
+}
+
+#[test]
+fn a_pot_turned_while_it_runs_turns_the_slope_and_not_the_level() {
+    let phases = [Phase::operate(0.5), Phase::set("a", 4.0), Phase::operate(0.5)];
+    let trace = run(&decay(), &phases, 0.25, &["level"]);
+    // The instant of the change is there twice, before and after it.
+    assert_eq!(trace.time, [0.0, 0.25, 0.5, 0.5, 0.75, 1.0]);
+    let closed = [0.0, 0.25, 0.5, 0.5, 1.5, 2.5].map(|power: f64| 80.0 * (-power).exp());
+    for (found, closed) in trace.values("level").unwrap().iter().zip(closed) {
+        assert!((found - closed).abs() < 1e-9, "{found} against {closed}");
+    }
+    assert_eq!(trace.marks[2].sample, 3);
+}
+
+#[test]
+fn formulas_see_parameters_and_signals_as_they_stood_before() {
+    let builder = volts("exchange")
+        .parameter("p", 10.0, "V", [0.0, 90.0])
+        .parameter("q", 40.0, "V", [0.0, 90.0])
+        .element("A1", element("integrator").cords("x1", ["ground"]).set("initial", "p"))
+        .element("A2", element("integrator").cords("x1", ["ground"]).set("initial", "q"))
+        .signal("a", "A1", "volt", 1.0)
+        .signal("twice", "A2", "volt", 2.0);
+    let by = |name: &str, formula: &str| Change::new(name, Formula::parse(formula).unwrap());
+    let exchange = Phase::Set { changes: vec![by("p", "q"), by("q", "p")] };
+    let read = Phase::Set { changes: vec![by("p", "twice / 2 + a"), by("q", "a + volt * 5")] };
+    let once = [INITIAL, Phase::operate(0.1)];
+    let phases = [&once[..], &[exchange], &once, &[read], &once].concat();
+    let trace = run(&made(builder), &phases, 0.1, &["A1", "A2"]);
+    let starts: Vec<_> =
+        trace.sweeps.iter().map(|sweep| [0, 1].map(|track| trace.tracks[track].volts[sweep.first])).collect();
+    assert_eq!(starts, [[10.0, 40.0], [40.0, 10.0], [50.0, 45.0]]);
+}
+
+#[test]
+fn what_is_set_stays_set_until_the_run_ends() {
+    let turn = Phase::set_by("a", "2 * a").unwrap();
+    let trace = run(&decay(), &[repeat(3, &[INITIAL, turn, Phase::operate(0.5)])], 0.5, &["level"]);
+    let ends: Vec<f64> = trace.tracks[0].volts.iter().skip(1).step_by(2).copied().collect();
+    for (end, rate) in ends.iter().zip([2.0, 4.0, 8.0]) {
+        let closed = 80.0 * f64::exp(-0.5 * rate);
+        assert!((end - closed).abs() < 1e-7, "{end} against {closed}");
+    }
+    assert_eq!(ends.len(), 3);
+}
+
+#[test]
+fn a_repetition_is_the_list_written_out() {
+    let turn = Phase::set_by("a", "1.25 * a").unwrap();
+    let inner = [Phase::operate_until(3.0, "K1", None), hold(0.07), turn];
+    let body = [&[INITIAL][..], &inner, &inner, &[Phase::operate(0.123)]].concat();
+    let repeated = [repeat(3, &[INITIAL, repeat(2, &inner), Phase::operate(0.123)])];
+    let written_out = [&body[..], &body, &body].concat();
+    let [short, long] =
+        [&repeated[..], &written_out].map(|phases| run(&decay(), phases, 0.05, &["level", "K1"]));
+    assert_eq!(short, long);
+    assert_eq!(short.sweeps.len(), 3);
+}
+
+#[test]
+fn recording_does_not_change_phases_or_steps() {
+    let turn = Phase::set_by("a", "1.5 * a").unwrap();
+    let phases = [repeat(2, &[Phase::operate_until(3.0, "K1", None), hold(0.3), turn, Phase::operate(0.4)])];
+    let [coarse, fine] = [0.5, 0.003].map(|every| run(&decay(), &phases, every, &["level"]));
+    assert_eq!(told(&coarse), told(&fine));
+    assert_eq!(coarse.sweeps[0].work, fine.sweeps[0].work);
+    assert_eq!(coarse.tracks[0].courses, fine.tracks[0].courses);
+    let at_mark = |trace: &Trace, mark: &Mark| trace.tracks[0].volts.get(mark.sample).copied();
+    for (wide, close) in coarse.marks.iter().zip(&fine.marks) {
+        assert_eq!(at_mark(&coarse, wide), at_mark(&fine, close), "{wide:?}");
+    }
+}
+
+#[test]
+fn a_patchs_repeat_is_a_repetition_of_initial_condition_and_operate() {
+    let csv = |run: &str| {
+        let text = driven().text().replace("\"for\": 1.0,", run);
+        let circuit = Circuit::new(&Patch::parse("p.json", &text).unwrap(), &[]).unwrap();
+        let program = Program::new(&circuit).unwrap();
+        let trace = solve::run(&program, &RunSettings::of(&circuit).unwrap()).unwrap();
+        let mut bytes = Vec::new();
+        trace.write_csv(&mut bytes).unwrap();
+        String::from_utf8(bytes).unwrap()
+    };
+    let short = csv("\"for\": 0.0123, \"repeat\": 3,");
+    let long = csv(
+        "\"phases\": [{\"repeat\": 3, \"phases\": [{\"initial_condition\": true}, {\"operate\": 0.0123}]}],",
+    );
+    assert_eq!(short, long);
+    assert!(short.contains("u,A1,run\n") && short.lines().count() == 4 + 3 * 13, "{short}");
+}
+
+/// Shooting: y'' = -y, y(0) = 0, y(1 s) = 30 V, corrected run by run by what it misses.
+#[test]
+fn an_iteration_finds_the_boundary_value() {
+    let builder = volts("shooting")
+        .parameter("v0", 10.0, "V", [-90.0, 90.0])
+        .parameter("target", 30.0, "V", [0.0, 90.0])
+        .element("A1", element("integrator").cords("x1", ["B1"]).set("initial", "-v0"))
+        .element("A2", element("integrator").cords("x1", ["A1"]))
+        .element("B1", element("summer").cords("x1", ["A2"]))
+        .signal("y", "A2", "volt", 1.0);
+    let correct = Phase::set_by("v0", "v0 - (y - target)").unwrap();
+    let shots = repeat(25, &[INITIAL, Phase::operate(1.0), correct]);
+    let trace = run(&made(builder), &[shots, INITIAL, Phase::operate(1.0)], 1.0, &["y", "A1"]);
+    let found = -trace.tracks[1].volts[trace.sweeps[25].first];
+    // The step of 1 ms leaves h^4 / 120 of the solution; the iteration shrinks by 0.16 a shot.
+    assert!((found - 30.0 / 1.0_f64.sin()).abs() < 1e-11, "{found}");
+    assert!((trace.tracks[0].volts.last().unwrap() - 30.0).abs() < 1e-12);
+}
+
+/// -100 V/s from 80 V: the limit is met at 1.8 s.
+fn steep() -> Patch {
+    let builder = source(volts("steep"), "u", 100.0);
+    made(builder.element("A1", element("integrator").cords("x1", ["u"]).set("initial", 80)))
+}
+
+#[test]
+fn an_overload_passes_over_what_takes_time_until_the_next_initial_condition() {
+    let once = [INITIAL, Phase::operate(2.5), hold(1.0), Phase::operate(1.0)];
+    let phases = [&once[..], &[INITIAL, Phase::operate(0.5), hold(0.5)]].concat();
+    let circuit = Circuit::new(&steep(), &[]).unwrap();
+    let settings = RunSettings {
+        phases,
+        every: 0.1,
+        hold_on_overload: true,
+        record: vec!["A1".to_owned()],
+        ..RunSettings::of(&circuit).unwrap()
+    };
+    let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
+    let deeds: Vec<_> = trace.marks.iter().map(|mark| (&mark.phase, &mark.ended)).collect();
+    let (initial, time) = (&Deed::InitialCondition, &Ending::Time);
+    assert_eq!(
+        deeds,
+        [
+            (initial, time),
+            (&OPERATE, &Ending::Overload),
+            (initial, time),
+            (&OPERATE, time),
+            (&Deed::Hold, time)
+        ]
+    );
+    assert_eq!(trace.sweeps.iter().map(|sweep| sweep.held).collect::<Vec<_>>(), [true, false]);
+    assert!((trace.sweeps[0].end - 1.8).abs() < 2e-3, "{}", trace.sweeps[0].end);
+}
+
+#[test]
+fn an_overload_after_a_hold_is_told_by_the_clock_of_the_record() {
+    let trace = run(&steep(), &[Phase::operate(1.0), hold(3.0), Phase::operate(1.0)], 0.1, &["A1"]);
+    let overload = &trace.sweeps[0].overloads[0];
+    assert!((overload.time - 4.8).abs() < 2e-3, "{overload:?}");
+}
+
+/// An amplifier that is asked for -200 V as soon as the machine is switched on.
+fn overloaded() -> Patch {
+    let amplifier = element("summer").cords("x2", ["+100"]);
+    made(volts("overloaded").element("S", amplifier).signal("s", "S", "volt", 1.0))
+}
+
+#[test]
+fn an_overload_in_initial_condition_is_told_at_0_whatever_comes_first() {
+    for phases in [[hold(3.0), Phase::operate(1.0)], [Phase::operate(1.0), hold(3.0)]] {
+        let trace = run(&overloaded(), &phases, 0.1, &["s"]);
+        let times: Vec<f64> = trace.sweeps[0].overloads.iter().map(|overload| overload.time).collect();
+        assert_eq!(times, [0.0]);
+    }
+}
+
+/// The record of a patch that is held as soon as a lamp lights, in steps of 0.1 s.
+fn held_on_overload(patch: &Patch, phases: &[Phase]) -> Trace {
+    let circuit = Circuit::new(patch, &[]).unwrap();
+    let own = RunSettings::of(&circuit).unwrap();
+    let phases = phases.to_vec();
+    let settings = RunSettings { phases, step: 0.1, every: 0.1, hold_on_overload: true, ..own };
+    solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap()
+}
+
+#[test]
+fn an_overload_in_the_last_step_of_a_phase_passes_over_the_hold_after_it() {
+    let ramp = element("ramp").set("rate", 100.1);
+    let builder = volts("last").drive("u", "volt", ramp).element("S", element("inverter").cord("in", "u"));
+    let patch = made(builder.signal("s", "S", "volt", 1.0));
+    // 100 V are met at 0.999 s, within the last whole step, whether or not time is left beyond it.
+    for time in [1.0, 1.05] {
+        let trace = held_on_overload(&patch, &[Phase::operate(time), hold(5.0)]);
+        let (sweep, last) = (&trace.sweeps[0], trace.marks.last().unwrap());
+        assert_eq!((&last.phase, &last.ended, sweep.held), (&OPERATE, &Ending::Overload, true));
+        assert!((sweep.end - 1.0).abs() < 1e-12, "{}", sweep.end);
+    }
+}
+
+#[test]
+fn a_first_hold_is_passed_over_by_a_machine_that_is_overloaded_already() {
+    let trace = held_on_overload(&overloaded(), &[hold(3.0), Phase::operate(1.0)]);
+    assert_eq!((trace.sweeps[0].held, trace.sweeps[0].end, trace.len()), (true, 0.0, 1));
+    assert_eq!(trace.sweeps[0].overloads[0].time, 0.0);
+    assert_eq!(trace.marks.last().map(|mark| &mark.ended), Some(&Ending::Overload));
+}

@@ -1,0 +1,115 @@
+//! The computing elements: one file each, one row each in [`REGISTRY`].
+//!
+//! A row says everything that the rest of the house needs to know of an element: the checker reads its
+//! inputs and settings, the schema and the reference page are written from it, every backend runs the
+//! operations that its laws emit.
+
+mod absolute;
+mod backlash;
+mod cos;
+mod dead_zone;
+mod delay;
+mod diode_dead_zone;
+mod diode_lower_of;
+mod diode_upper_of;
+mod exp;
+mod free_pot;
+mod function_generator;
+mod integrator;
+mod inverter;
+mod key_switch;
+mod kind;
+mod lag;
+mod log;
+mod multiplier;
+mod noise;
+mod open_amplifier;
+mod page;
+mod pot;
+mod ramp;
+mod reference;
+mod relay;
+mod setting;
+mod sin;
+mod sine;
+mod soft_limit;
+mod step;
+mod summer;
+mod table;
+mod track_hold;
+mod triangle;
+
+pub(crate) use kind::gain_of;
+pub use kind::{Family, Input, Jacks, Kind, Output, Takes, Transfer};
+pub use page::markdown_table;
+pub use page::{Page, reference_page};
+pub use reference::{REFERENCE, REFERENCES};
+pub use setting::{Default, Measure, Setting};
+
+/// Every kind of element and drive, in the order of listings.
+pub static REGISTRY: &[&Kind] = &[
+    &summer::KIND,
+    &inverter::KIND,
+    &open_amplifier::KIND,
+    &integrator::KIND,
+    &lag::KIND,
+    &pot::KIND,
+    &free_pot::KIND,
+    &absolute::KIND,
+    &dead_zone::KIND,
+    &diode_dead_zone::KIND,
+    &diode_lower_of::KIND,
+    &diode_upper_of::KIND,
+    &backlash::KIND,
+    &multiplier::KIND,
+    &function_generator::KIND,
+    &sin::KIND,
+    &cos::KIND,
+    &log::KIND,
+    &exp::KIND,
+    &relay::KIND,
+    &key_switch::KIND,
+    &track_hold::KIND,
+    &delay::KIND,
+    &step::KIND,
+    &ramp::KIND,
+    &triangle::KIND,
+    &sine::KIND,
+    &noise::KIND,
+    &table::KIND,
+];
+
+/// The kind of this name in a family.
+pub fn find(family: Family, name: &str) -> Option<&'static Kind> {
+    REGISTRY.iter().copied().find(|kind| kind.family == family && kind.name == name)
+}
+
+/// The names of a family, in the order of the registry.
+pub fn names(family: Family) -> Vec<&'static str> {
+    REGISTRY.iter().filter(|kind| kind.family == family).map(|kind| kind.name).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn names_are_distinct_and_rows_are_complete() {
+        let names: HashSet<_> = REGISTRY.iter().map(|kind| kind.name).collect();
+        assert_eq!(names.len(), REGISTRY.len());
+        for kind in REGISTRY {
+            let texts = [kind.summary, kind.law, kind.overload, kind.modes, kind.source, kind.symbol];
+            assert!(texts.iter().all(|text| !text.is_empty()), "{}", kind.name);
+        }
+    }
+
+    #[test]
+    fn elements_whose_inputs_are_not_direct_have_memory() {
+        for kind in REGISTRY {
+            let delayed = kind.inputs.iter().any(|input| !input.direct);
+            assert!(kind.has_memory() || !delayed, "{}", kind.name);
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Drive: a sine wave.
+
+use std::f64::consts::TAU;
+
+use super::{Kind, Measure, Setting};
+use crate::ir::{Builder, Register};
+use patchcord_expr::Function;
+
+pub(super) static KIND: Kind = Kind {
+    name: "sine",
+    summary: "a sine wave about an offset",
+    law: "out = offset + amplitude x sin(2 pi frequency t + phase)",
+    source: "oscillator of the period; thesis 8.3 (10 V on -50 V at 1/Tc)",
+    symbol: "drive-sine",
+    settings: &[
+        Setting::required("amplitude", Measure::Signal, "height above and below the offset"),
+        Setting::required("frequency", Measure::Hertz, "periods per second"),
+        Setting::preset("phase", Measure::Radians, 0.0, "lead at t = 0"),
+        Setting::preset("offset", Measure::Signal, 0.0, "mean value"),
+    ],
+    output_law,
+    ..Kind::DRIVE
+};
+
+fn output_law(builder: &mut dyn Builder) -> Register {
+    let (time, frequency) = (builder.time(), builder.get("frequency"));
+    let periods = builder.multiply(frequency, time);
+    let turn = builder.constant(TAU);
+    let turned = builder.multiply(turn, periods);
+    let phase = builder.get("phase");
+    let angle = builder.add(turned, phase);
+    let wave = builder.call(Function::Sin, angle);
+    let (amplitude, offset) = (builder.get("amplitude"), builder.get("offset"));
+    let swing = builder.multiply(amplitude, wave);
+    builder.add(offset, swing)
+}

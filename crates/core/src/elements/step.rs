@@ -1,0 +1,32 @@
+//! Drive: a step.
+
+use super::{Kind, Measure, Setting};
+use crate::ir::{Builder, Guard, Register, Transition};
+
+pub(super) static KIND: Kind = Kind {
+    name: "step",
+    summary: "a step: nothing before its time, its height from then on",
+    law: "out = 0 for t < at, height for t >= at",
+    source: "thesis 8.2 (step of 0.127 mm)",
+    symbol: "drive-step",
+    settings: &[
+        Setting::required("height", Measure::Signal, "value after the step"),
+        Setting::preset("at", Measure::Seconds, 0.0, "time of the step"),
+    ],
+    output_law,
+    ..Kind::DRIVE
+};
+
+const BEFORE: f64 = 0.0;
+const AFTER: f64 = 1.0;
+
+// The jump is a change of mode, so that no step of the solver reaches across it.
+fn output_law(builder: &mut dyn Builder) -> Register {
+    let (time, at) = (builder.time(), builder.get("at"));
+    let (height, zero, half) = (builder.get("height"), builder.constant(0.0), builder.constant(0.5));
+    let position = builder.new_mode(BEFORE);
+    let (since, until) = (builder.subtract(time, at), builder.subtract(at, time));
+    builder.transition(position, Transition::new(BEFORE, AFTER, Guard::reached(since)));
+    builder.transition(position, Transition::new(AFTER, BEFORE, Guard::passed(until)));
+    builder.select(position.value, half, height, zero)
+}

@@ -1,0 +1,44 @@
+//! Drive: a triangular wave.
+
+use super::{Kind, Measure, Setting};
+use crate::ir::{Builder, Guard, Register, Transition};
+
+pub(super) static KIND: Kind = Kind {
+    name: "triangle",
+    summary: "a triangular wave about an offset, starting upward from it",
+    law: "out = offset + amplitude x tri(frequency t), tri rising from 0 to 1, falling to -1, back to 0 in one period",
+    source: "function generator of the period",
+    symbol: "drive-triangle",
+    settings: &[
+        Setting::required("amplitude", Measure::Signal, "height above and below the offset"),
+        Setting::required("frequency", Measure::Hertz, "periods per second"),
+        Setting::preset("offset", Measure::Signal, 0.0, "mean value"),
+    ],
+    output_law,
+    ..Kind::DRIVE
+};
+
+const RISING: f64 = 0.0;
+const FALLING: f64 = 1.0;
+
+// With s = frequency t + 1/4 and its fraction p: tri = 1 - |4 p - 2|, which is 0 and rising at t = 0. The
+// corners are changes of mode, so that no step of the solver reaches across them.
+fn output_law(builder: &mut dyn Builder) -> Register {
+    let (time, frequency) = (builder.time(), builder.get("frequency"));
+    let periods = builder.multiply(frequency, time);
+    let [quarter, one, two, four] = [0.25, 1.0, 2.0, 4.0].map(|number| builder.constant(number));
+    let shifted = builder.add(periods, quarter);
+    let whole = builder.floor(shifted);
+    let fraction = builder.subtract(shifted, whole);
+    let quadrupled = builder.multiply(four, fraction);
+    let centred = builder.subtract(quadrupled, two);
+    let distance = builder.absolute(centred);
+    let before = builder.negate(centred);
+    let way = builder.new_mode(RISING);
+    builder.transition(way, Transition::new(RISING, FALLING, Guard::reached(centred)));
+    builder.transition(way, Transition::new(FALLING, RISING, Guard::passed(before)));
+    let wave = builder.subtract(one, distance);
+    let (amplitude, offset) = (builder.get("amplitude"), builder.get("offset"));
+    let swing = builder.multiply(amplitude, wave);
+    builder.add(offset, swing)
+}

@@ -1,0 +1,79 @@
+//! Numbers drawn by chance that are the same everywhere: each is a function of a seed and its place in the row.
+
+use std::f64::consts::TAU;
+
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng as _, SeedableRng as _};
+
+/// A noise voltage of a program.
+#[derive(Debug, Clone)]
+pub(crate) struct Noise {
+    pub element: usize,
+    /// Coefficient of the seed.
+    pub seed: u32,
+    /// Coefficient of the time between two numbers, in problem seconds.
+    pub every: u32,
+    pub distribution: Distribution,
+}
+
+/// How numbers of mean 0 and variance 1 are distributed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Distribution {
+    Normal,
+    Uniform,
+}
+
+/// Words of the stream that each number is made of.
+const WORDS: u128 = 4;
+
+impl Distribution {
+    /// The number at a place of the row that belongs to a seed: words 4 k to 4 k + 3 of the ChaCha stream of 8
+    /// rounds (Bernstein 2008) whose key begins with the seed's bits, as two numbers between 0 and 1; for the
+    /// normal distribution by the method of Box and Muller (1958).
+    pub fn number(self, seed: f64, place: u64) -> f64 {
+        let mut key = [0; 32];
+        key[..8].copy_from_slice(&seed.to_bits().to_le_bytes());
+        let mut stream = ChaCha8Rng::from_seed(key);
+        stream.set_word_pos(u128::from(place) * WORDS);
+        let [first, second] = [(); 2].map(|()| between_0_and_1(stream.next_u64()));
+        match self {
+            Distribution::Normal => libm::sqrt(-2.0 * libm::log(first)) * libm::cos(TAU * second),
+            Distribution::Uniform => libm::sqrt(12.0) * (first - 0.5),
+        }
+    }
+}
+
+/// The middle of one of 2^52 equal parts of 0 ... 1: never an end.
+fn between_0_and_1(word: u64) -> f64 {
+    ((word >> 12) as f64 + 0.5) / (1u64 << 52) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The first words of the ChaCha stream of 8 rounds under a key of zeros, from
+    /// draft-strombergson-chacha-test-vectors-01 (TC1, 256 bits).
+    #[test]
+    fn the_stream_is_the_published_one() {
+        let mut stream = ChaCha8Rng::from_seed([0; 32]);
+        let mut bytes = [0; 16];
+        stream.fill_bytes(&mut bytes);
+        assert_eq!(
+            bytes,
+            [0x3e, 0x00, 0xef, 0x2f, 0x89, 0x5f, 0x40, 0xd6, 0x7f, 0x5b, 0xb8, 0xe8, 0x1f, 0x09, 0xa5, 0xa1]
+        );
+    }
+
+    #[test]
+    fn numbers_are_the_same_in_every_order() {
+        let row: Vec<f64> = (0..50).map(|place| Distribution::Normal.number(7.0, place)).collect();
+        assert!((0..50).rev().all(|place| Distribution::Normal.number(7.0, place) == row[place as usize]));
+        assert_ne!(Distribution::Normal.number(8.0, 0), row[0]);
+    }
+
+    #[test]
+    fn the_ends_are_never_drawn() {
+        assert!(between_0_and_1(0) > 0.0 && between_0_and_1(u64::MAX) < 1.0);
+    }
+}

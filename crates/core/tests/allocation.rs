@@ -1,0 +1,140 @@
+//! A step allocates nothing.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use crate::common::{built, circuit, element, patch, program, slideway, volts};
+use patchcord_core::ir::Program;
+use patchcord_core::patch::Patch;
+use patchcord_core::solve::{self, Backend, Machine, RunSettings};
+
+thread_local! {
+    // Of the thread that looks at it alone: the one that runs the tests allocates beside it.
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+fn count() {
+    ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+}
+
+struct Counting;
+
+// SAFETY: hands every call on to the system's allocator; counting touches no memory of the caller's.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(place, layout) }
+    }
+
+    unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        unsafe { System.realloc(place, layout, size) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+fn lesson(stem: &str) -> Patch {
+    Patch::read(format!("../../patches/lessons/{stem}.json").as_ref()).unwrap()
+}
+
+/// A triangle that a function generator bends, smoothed by a lag that it drives to its limit and back.
+fn lag_and_generator() -> Program {
+    let points = serde_json::json!([[0.0, 0.0], [20.0, 60.0], [80.0, 90.0]]);
+    let triangle = element("triangle").set("amplitude", 80).set("frequency", 2);
+    let bent = element("function-generator").cord("in", "u").set("points", points).set("symmetry", "odd");
+    let smoothed = element("lag").cords("x2", ["F"]).set("time", 0.05);
+    built(
+        volts("lag and function generator")
+            .drive("u", "volt", triangle)
+            .element("F", bent)
+            .element("L", smoothed)
+            .signal("l", "L", "volt", 1.0),
+    )
+}
+
+/// Allocations of so many steps of a machine that has gone the same way before, so that what is made once for every set of
+/// modes is there; with derivatives by so many parameters.
+fn allocations(program: &Program, step: f64, steps: usize, parameters: usize, backend: Backend) -> usize {
+    allocations_of(Machine::new(program, step).unwrap().on(backend), step * steps as f64, program, parameters)
+}
+
+fn allocations_of(mut machine: Machine<'_>, length: f64, program: &Program, parameters: usize) -> usize {
+    let names: Vec<_> = program.parameters().iter().take(parameters).map(|slot| slot.name.as_str()).collect();
+    machine.differentiate(&names).unwrap();
+    machine.operate(length).unwrap();
+    machine.initial_condition().unwrap();
+    let before = ALLOCATIONS.get();
+    machine.operate(length).unwrap();
+    ALLOCATIONS.get() - before
+}
+
+#[test]
+fn steps_allocate_nothing() {
+    let cases = [
+        ("fig-8-16", program(&slideway(), &[]), 2e-5, 10_000),
+        ("loop-lag", program(&patch("loop-lag"), &[]), 1e-3, 10_000),
+        ("delay-line", program(&patch("delay-line"), &[]), 1e-3, 10_000),
+        ("bouncing-ball", program(&patch("bouncing-ball"), &[]), 1e-3, 10_000),
+        ("stick-slip-brake", program(&patch("stick-slip-brake"), &[]), 1e-3, 10_000),
+        ("relay-oscillator", program(&patch("relay-oscillator"), &[]), 1e-2, 10_000),
+        ("integrator-limit", program(&patch("integrator-limit"), &[]), 1e-2, 10_000),
+        ("memory", program(&patch("memory"), &[]), 1e-3, 10_000),
+        ("lag and function generator", lag_and_generator(), 1e-3, 10_000),
+        ("square-root-and-division", program(&lesson("square-root-and-division"), &[]), 1e-3, 500),
+    ];
+    for (name, program, step, longest) in &cases {
+        let ways = [Backend::Reference, Backend::Interpreter, Backend::Native].map(|backend| (0, backend));
+        for (parameters, backend) in ways.into_iter().chain([(2, Backend::Reference)]) {
+            let counts =
+                [*longest / 5, *longest].map(|steps| allocations(program, *step, steps, parameters, backend));
+            assert_eq!(counts, [0, 0], "{name}, {backend}, derivatives by {parameters}");
+        }
+        for parameters in [0, 2] {
+            let machine = Machine::adaptive(program, 1e-6, *step).unwrap();
+            let count = allocations_of(machine, 0.1 * *longest as f64 * step, program, parameters);
+            assert_eq!(count, 0, "{name}, with a tolerance, derivatives by {parameters}");
+        }
+    }
+}
+
+/// Allocations of runs side by side of so many steps, of which the ends alone are recorded.
+fn allocations_abreast(programs: &[Program], settings: &RunSettings, steps: u32) -> usize {
+    let length = settings.step * f64::from(steps);
+    let settings = RunSettings { every: length, ..settings.clone() }.lasting(length);
+    let before = ALLOCATIONS.get();
+    let runs = solve::run_abreast(programs, &settings);
+    let count = ALLOCATIONS.get() - before;
+    assert!(runs.iter().all(Result::is_ok));
+    count
+}
+
+/// Runs allocate at their beginning, however long they are.
+#[test]
+fn steps_side_by_side_allocate_nothing() {
+    let cases = [
+        ("fig-8-16", slideway(), ("VcL", 2e-3, 1e-4)),
+        ("relay-oscillator", patch("relay-oscillator"), ("slope", 80.0, 2.0)),
+        ("mass-and-spring", lesson("mass-and-spring"), ("k", 10.0, 5.0)),
+        ("delay-line", patch("delay-line"), ("T", 0.8, 0.05)),
+    ];
+    for (name, patch, (parameter, least, by)) in &cases {
+        let mut programs = vec![program(patch, &[]); 16];
+        for (run, program) in programs.iter_mut().enumerate() {
+            solve::preset(program, &[(*parameter, least + by * run as f64)]).unwrap();
+        }
+        for backend in [Backend::Lanes, Backend::Automatic] {
+            let settings = RunSettings { backend, ..RunSettings::of(&circuit(patch, &[])).unwrap() };
+            // What is made once for every set of modes is made, and native code.
+            allocations_abreast(&programs, &settings, 80_000);
+            let [short, long] =
+                [40_000, 80_000].map(|steps| allocations_abreast(&programs, &settings, steps));
+            assert_eq!(short, long, "{name}, {backend}");
+        }
+    }
+}

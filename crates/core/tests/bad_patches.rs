@@ -1,0 +1,164 @@
+//! Bad patches beside the reports that they must get.
+//!
+//! `PATCHCORD_BLESS=1 cargo test -p patchcord-core` rewrites the reports.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::common::mutated::{Dice, mutated};
+use patchcord_core::circuit::Circuit;
+use patchcord_core::document::{Code, DocumentError, Report};
+use patchcord_core::ir::Program;
+use patchcord_core::patch::Patch;
+
+const FOLDER: &str = "tests/patches/bad";
+
+/// The name and the text of every bad patch.
+fn bad_patches() -> Vec<(String, String)> {
+    let paths = fs::read_dir(FOLDER).unwrap().map(|entry| entry.unwrap().path());
+    let mut patches: Vec<PathBuf> = paths.filter(|path| path.extension().unwrap() == "json").collect();
+    patches.sort();
+    let name = |path: &Path| path.file_stem().unwrap().to_str().unwrap().to_owned();
+    patches.iter().map(|path| (name(path), fs::read_to_string(path).unwrap())).collect()
+}
+
+/// What the first phase that refuses the patch says, or else the warnings.
+fn report(name: &str, text: &str) -> Report {
+    judged(&format!("{name}.json"), text, &[]).unwrap_or_else(|report| *report)
+}
+
+fn judged(file: &str, text: &str, changes: &[(String, f64)]) -> Result<Report, Box<Report>> {
+    let patch = Patch::parse_in(Path::new(FOLDER), file, text)?;
+    let circuit = Circuit::new(&patch, changes)?;
+    Program::new(&circuit)?;
+    Ok(circuit.warnings())
+}
+
+/// Holds a text against a file, or writes the file when asked to.
+fn difference(path: &Path, found: &str) -> Option<String> {
+    if std::env::var_os("PATCHCORD_BLESS").is_some() {
+        fs::write(path, found).unwrap();
+    }
+    let expected = fs::read_to_string(path).unwrap_or_default();
+    let shown = format!("== {}\n-- expected\n{expected}\n-- found\n{found}", path.display());
+    (expected != found).then_some(shown)
+}
+
+#[test]
+fn every_bad_patch_gets_its_report() {
+    let differences: Vec<String> = bad_patches()
+        .iter()
+        .filter_map(|(name, text)| {
+            let path = Path::new(FOLDER).join(format!("{name}.txt"));
+            difference(&path, &format!("{}\n", report(name, text)))
+        })
+        .collect();
+    assert!(differences.is_empty(), "PATCHCORD_BLESS=1 accepts these\n{}", differences.join("\n"));
+}
+
+#[test]
+fn every_report_says_something_and_where() {
+    let patches = bad_patches();
+    assert!(patches.len() >= 45, "only {} bad patches are left", patches.len());
+    for (name, text) in patches {
+        let report = report(&name, &text);
+        assert!(!report.findings.is_empty(), "{name} is accepted");
+        assert!(report.findings.iter().all(|finding| finding.span.is_some()), "{name}:\n{report}");
+    }
+}
+
+#[test]
+fn a_patch_is_called_bad_after_what_is_wrong_with_it() {
+    for (name, text) in bad_patches().iter().filter(|(name, _)| !name.starts_with("many-")) {
+        let report = report(name, text);
+        let codes: HashSet<_> = report.findings.iter().map(|finding| finding.code.as_str()).collect();
+        assert_eq!(codes.len(), 1, "{name} has one thing wrong, and is told of several:\n{report}");
+        assert!(codes.iter().all(|code| name.starts_with(code)), "{name} is told of {codes:?}");
+    }
+}
+
+#[test]
+fn bytes_that_are_not_utf8_are_told_with_their_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("latin.json");
+    fs::write(&path, b"{\n  \"patchcord\": 1,\n  \"title\": \"\xe9tude\"\n}\n").unwrap();
+    let Err(DocumentError::Text(report)) = Patch::read(&path) else { panic!("latin 1 is accepted") };
+    let [finding] = report.findings.as_slice() else { panic!("one finding is expected:\n{report}") };
+    assert_eq!((finding.code, report.line_and_column(finding.span.unwrap().start)), (Code::Syntax, (3, 13)));
+    assert!(finding.hint.as_ref().unwrap().contains("UTF-8"));
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let error = Patch::read("no/such/patch.json".as_ref()).unwrap_err();
+    assert!(error.to_string().starts_with("cannot read no/such/patch.json"), "{error}");
+}
+
+/// The codes and messages that changes to the parameters of a good patch get.
+fn told_of_changes(changes: &[(&str, f64)]) -> Vec<(Code, String)> {
+    let changes: Vec<_> = changes.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    let Err(report) = judged("fig-8-16.json", &good_patch(), &changes) else { return Vec::new() };
+    assert!(report.findings.iter().all(|finding| finding.hint.is_some()), "{report}");
+    report.findings.into_iter().map(|finding| (finding.code, finding.message)).collect()
+}
+
+#[test]
+fn changes_of_parameters_are_judged_like_the_patch() {
+    assert!(told_of_changes(&[("M", 600.0)]).is_empty());
+    let told = told_of_changes(&[("M", f64::NAN), ("Vcl", 1e-3), ("K", 1e12), ("f", f64::INFINITY)]);
+    let codes: Vec<_> = told.iter().map(|(code, _)| *code).collect();
+    for code in [Code::NotFinite, Code::UnknownName, Code::OutsideRange] {
+        assert!(codes.contains(&code), "{told:?}");
+    }
+    assert_eq!(told.len(), 4, "{told:?}");
+}
+
+#[test]
+fn a_change_may_take_a_setting_out_of_its_range() {
+    let text = fs::read_to_string(Path::new(FOLDER).join("setting-range.json")).unwrap();
+    let report = judged("setting-range.json", &text, &[("T".to_owned(), 0.05)]).unwrap_err();
+    let outside = report.findings.iter().filter(|finding| finding.code == Code::SettingOutside);
+    assert_eq!(outside.count(), 2, "{report}");
+}
+
+fn good_patch() -> String {
+    fs::read_to_string("../../patches/thesis/fig-8-16.json").unwrap()
+}
+
+/// A report that refuses a patch names an error, and can be printed and sent on.
+fn check_refusal(report: &Report, text: &str) {
+    assert!(report.has_errors(), "refused without an error:\n{report}\n{text}");
+    assert!(report.findings.iter().all(|finding| finding.span.is_some()), "{report}\n{text}");
+    let lines = report.text.lines().count() + 1;
+    for finding in report.to_json().as_array().unwrap() {
+        assert!(finding["line"].as_u64().unwrap() as usize <= lines);
+    }
+}
+
+/// Mutates a good patch so many times; at least half of what comes out is refused.
+fn mutate(good: &str, rounds: usize) {
+    let mut dice = Dice(0x9e37_79b9_7f4a_7c15);
+    let mut refused = 0;
+    for _ in 0..rounds {
+        let text = mutated(good, &mut dice);
+        match judged("mutated.json", &text, &[]) {
+            Err(report) => {
+                refused += 1;
+                check_refusal(&report, &text);
+            }
+            Ok(warnings) => assert!(!warnings.has_errors(), "{warnings}"),
+        }
+    }
+    assert!((rounds / 2..rounds).contains(&refused), "{refused} of {rounds} are refused");
+}
+
+#[test]
+fn mutated_patches_get_a_report_or_a_circuit() {
+    mutate(&good_patch(), 4000);
+}
+
+#[test]
+fn mutated_macros_get_a_report_or_a_circuit() {
+    mutate(&fs::read_to_string("tests/patches/lags-in-macros.json").unwrap(), 4000);
+}

@@ -1,0 +1,46 @@
+//! Cosine of a voltage.
+
+use std::f64::consts::PI;
+
+use proptest::prelude::*;
+
+use crate::common::{element, random_cases};
+use crate::elements::bench::{
+    ANY, assert_out, at, bench, computes_in_every_mode, has_exact_derivatives, output,
+};
+
+proptest! {
+    #![proptest_config(random_cases(48))]
+
+    #[test]
+    fn law(a in ANY, amplitude in ANY, scale in -1.0..1.0f64) {
+        let preset = output(element("cos").cord("in", "a"), &[a]);
+        prop_assert!((preset - 100.0 * (PI * a / 100.0).cos()).abs() < 1e-12);
+        let set = element("cos").cord("in", "a").set("amplitude", amplitude).set("angle_per_volt", scale);
+        // An angle of 100 rad is good to 1e-14.
+        prop_assert!((output(set, &[a]) - amplitude * (scale * a).cos()).abs() < 1e-11);
+    }
+}
+
+#[test]
+fn overload() {
+    for amplitude in [100.0, -100.0] {
+        let program = bench(element("cos").cord("in", "a").set("amplitude", amplitude));
+        let machine = at(&program, &[0.0]);
+        assert_out(&machine, amplitude, "at its amplitude");
+        assert!(!machine.is_overloaded());
+    }
+}
+
+#[test]
+fn modes() {
+    let wave = element("cos").cord("in", "a").set("amplitude", 40);
+    computes_in_every_mode(wave, [(&[0.0], 40.0), (&[100.0], -40.0), (&[-50.0], 0.0)]);
+}
+
+#[test]
+fn derivatives() {
+    let wave = element("cos").cord("in", "a").set("amplitude", "A").set("angle_per_volt", "w");
+    let settings = [("A", 60.0, "1", [1.0, 99.0]), ("w", 0.02, "rad/V", [0.0, 1.0])];
+    has_exact_derivatives(wave, 40.0, &settings);
+}

@@ -1,0 +1,270 @@
+//! Drive: noise.
+
+use std::f64::consts::{SQRT_2, TAU};
+
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng as _, SeedableRng as _};
+use proptest::prelude::*;
+
+use crate::common::{built, element, order, ran, random_cases, voltage, volts};
+use crate::elements::bench::{bench_drive, drive_stops_at_100_volts, near, out, waits_in_hold};
+use patchcord_core::circuit::Circuit;
+use patchcord_core::ir::Program;
+use patchcord_core::patch::{ElementBuilder, PatchBuilder};
+use patchcord_core::solve::{self, Backend, Phase, RunError, RunSettings};
+
+/// Noise of 1 V rms.
+fn noise(seed: u64, every: f64) -> ElementBuilder {
+    element("noise").set("rms", 1).set("every", every).set("seed", seed)
+}
+
+/// The first numbers of a row, read off the stream one after the other.
+fn row(seed: u64, uniform: bool, count: usize) -> Vec<f64> {
+    let mut key = [0; 32];
+    key[..8].copy_from_slice(&(seed as f64).to_le_bytes());
+    let mut stream = ChaCha8Rng::from_seed(key);
+    let mut share = || ((stream.next_u64() >> 12) as f64 + 0.5) / 2f64.powi(52);
+    let number = |first: f64, second: f64| match uniform {
+        true => 12f64.sqrt() * (first - 0.5),
+        false => (-2.0 * first.ln()).sqrt() * (TAU * second).cos(),
+    };
+    (0..count)
+        .map(|_| {
+            let first = share();
+            number(first, share())
+        })
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(random_cases(48))]
+
+    #[test]
+    fn law(
+        seed in 0..1u64 << 53, uniform: bool, rms in 0.0..10.0f64, offset in -30.0..30.0f64,
+        every in 0.01..0.3f64, step in 0.001..0.2f64, time in 0.0..1.0f64,
+    ) {
+        let distribution = if uniform { "uniform" } else { "normal" };
+        let drive = noise(seed, every).set("rms", rms).set("offset", offset).set("distribution", distribution);
+        let place = (time / every).floor();
+        prop_assume!((time - place * every).min((place + 1.0) * every - time) > 1e-6);
+        let found = out(&ran(&bench_drive(drive), step, time));
+        let expected = offset + rms * row(seed, uniform, 101)[place as usize];
+        prop_assert!(near(found, expected), "{found} {expected}");
+    }
+}
+
+#[test]
+fn overload() {
+    drive_stops_at_100_volts(noise(1, 0.1).set("rms", 0).set("offset", -120), -120.0);
+}
+
+#[test]
+fn modes() {
+    let numbers = row(5, false, 10);
+    waits_in_hold(noise(5, 0.1), |time| numbers[(time * 10.0) as usize]);
+}
+
+/// Numbers worked out apart from this program, from the definition of ChaCha in another language.
+#[test]
+fn the_numbers_are_those_of_the_definition() {
+    let normal = [(0, -1.0916459870920308), (1, 0.9701778571107535), (1000, 0.270083015796877)];
+    let uniform = [(0, -0.610815102637512), (1, 0.2354789139191683), (1000, -0.1610323722978622)];
+    for (word, expected) in [("normal", normal), ("uniform", uniform)] {
+        let program = bench_drive(noise(1, 1e-3).set("distribution", word));
+        for (place, number) in expected {
+            let machine = ran(&program, 0.01, f64::from(place) * 1e-3);
+            assert!(near(out(&machine), number), "{word} {place}: {}", out(&machine));
+        }
+    }
+}
+
+/// A long row as the machine gives it, a step for every number.
+fn long_row(distribution: &str) -> Vec<f64> {
+    let program = bench_drive(noise(3, 0.01).set("distribution", distribution));
+    let mut machine = ran(&program, 0.01, 0.0);
+    let next = |_| {
+        let number = out(&machine);
+        machine.operate(0.01).unwrap();
+        number
+    };
+    (0..LENGTH).map(next).collect()
+}
+
+const LENGTH: usize = 20_000;
+/// Four standard deviations of a mean of so many numbers of variance 1.
+const FOUR_SIGMA: f64 = 4.0 / 141.4;
+
+#[test]
+fn numbers_have_mean_0_variance_1_and_do_not_know_of_each_other() {
+    for (distribution, fourth_moment) in [("normal", 3.0), ("uniform", 1.8)] {
+        let row = long_row(distribution);
+        let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / LENGTH as f64;
+        assert!(mean(&mut row.iter().copied()).abs() < FOUR_SIGMA, "{distribution}");
+        let variance = mean(&mut row.iter().map(|number| number * number));
+        let spread: f64 = fourth_moment - 1.0;
+        assert!((variance - 1.0).abs() < FOUR_SIGMA * spread.sqrt(), "{distribution} {variance}");
+        for lag in 1..=50 {
+            let product = mean(&mut row.iter().zip(&row[lag..]).map(|(a, b)| a * b));
+            assert!(product.abs() < FOUR_SIGMA, "{distribution} {lag} {product}");
+        }
+    }
+}
+
+/// Chi-square over fifty equally likely parts: 49 degrees of freedom, between its quantiles of 0.1 and 99.9 %.
+#[test]
+fn numbers_are_distributed_as_they_say() {
+    let normal = |number: f64| 0.5 * libm::erfc(-number / SQRT_2);
+    let uniform = |number: f64| 0.5 + number / 12f64.sqrt();
+    let share: [(&str, &dyn Fn(f64) -> f64); 2] = [("normal", &normal), ("uniform", &uniform)];
+    for (distribution, share) in share {
+        let mut counts = [0.0; 50];
+        for number in long_row(distribution) {
+            counts[(50.0 * share(number)) as usize] += 1.0;
+        }
+        let expected = LENGTH as f64 / 50.0;
+        let chi_square: f64 = counts.iter().map(|count| (count - expected).powi(2) / expected).sum();
+        assert!((23.9..85.4).contains(&chi_square), "{distribution} {chi_square}");
+    }
+}
+
+/// Noise into an integrator, and through a delay line into another.
+fn integrated() -> Program {
+    built(
+        volts("integrated")
+            .drive("u", "volt", noise(11, 0.013).set("rms", 20))
+            .element("D", element("delay").cord("in", "u").set("delay", 0.25))
+            .element("A", element("integrator").cords("x1", ["u"]))
+            .element("B", element("integrator").cords("x1", ["D"]))
+            .element("C", element("integrator").cords("x1", ["A", "C"])),
+    )
+}
+
+#[test]
+fn voltages_are_the_same_whatever_the_step() {
+    let program = integrated();
+    let numbers = row(11, false, 80);
+    let sum = |time: f64| {
+        let whole = (time / 0.013).floor();
+        let before: f64 = numbers[..whole as usize].iter().sum();
+        -20.0 * (0.013 * before + (time - 0.013 * whole) * numbers[whole as usize])
+    };
+    let reference = ran(&program, 1e-4, 1.0);
+    for step in [0.003, 0.013, 0.07, 0.25] {
+        let machine = ran(&program, step, 1.0);
+        assert!((voltage(&machine, "A") - sum(1.0)).abs() < 1e-11, "{step}");
+        assert!((voltage(&machine, "B") - sum(0.75)).abs() < 1e-11, "{step}: behind a delay line");
+        let apart = voltage(&machine, "C") - voltage(&reference, "C");
+        assert!(apart.abs() < 1e-9, "{step} {apart:e}: no stretch is longer than 0.013 s");
+    }
+}
+
+/// Six hundred rows, each into an integrator: the variance grows as rms^2 x every x t.
+#[test]
+fn integrated_noise_grows_as_the_root_of_time() {
+    let names = |index: u64| (format!("u{index}"), format!("A{index}"));
+    let builder = (0..600).fold(volts("walks"), |builder: PatchBuilder, index| {
+        let (drive, integrator) = names(index);
+        let walk = element("integrator").cords("x1", [drive.as_str()]);
+        builder.drive(&drive, "volt", noise(index, 0.05).set("rms", 3)).element(&integrator, walk)
+    });
+    let program = built(builder);
+    let times = [1.0, 2.0, 4.0, 8.0];
+    let deviations = times.map(|time| {
+        let machine = ran(&program, 0.05, time);
+        let squares: f64 = machine.states().iter().map(|volts| volts * volts).sum();
+        (squares / 600.0).sqrt()
+    });
+    for (time, deviation) in times.iter().zip(deviations) {
+        // A variance of 600 numbers is known to sqrt(2 / 600) of itself, its root to half of that.
+        let expected = 3.0 * (0.05 * time).sqrt();
+        assert!((deviation / expected - 1.0).abs() < 4.0 * (0.5f64 / 600.0).sqrt(), "{time} {deviation}");
+    }
+    let power = order(&times, &deviations);
+    assert!((0.45..0.55).contains(&power), "{power}");
+}
+
+#[test]
+fn a_recorded_jump_is_seen_before_and_after() {
+    let patch = volts("recorded").drive("u", "volt", noise(2, 0.1)).record(["u"]).build().unwrap();
+    let circuit = Circuit::new(&patch, &[]).unwrap();
+    let settings = RunSettings { step: 0.03, every: 0.05, ..RunSettings::of(&circuit).unwrap() };
+    let trace = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap();
+    let numbers = row(2, false, 11);
+    for (place, volts) in trace.tracks[0].volts.iter().enumerate() {
+        assert!(near(*volts, numbers[place / 2]), "{place} {volts}");
+    }
+}
+
+fn turned() -> Program {
+    let drive = element("noise").set("rms", 1).set("every", "T").set("seed", "s");
+    let builder = volts("turned").parameter("s", 1.0, "1", [0.0, 10.0]).parameter("T", 0.1, "s", [0.01, 1.0]);
+    built(builder.drive("u", "volt", drive))
+}
+
+#[test]
+fn seed_and_grid_are_turned_while_it_runs() {
+    let program = turned();
+    let mut machine = ran(&program, 0.01, 0.55);
+    assert!(near(voltage(&machine, "u"), row(1, false, 6)[5]));
+    machine.set("s", 4.0).unwrap();
+    assert!(near(voltage(&machine, "u"), row(4, false, 6)[5]), "another row, at the same place");
+    machine.set("T", 0.05).unwrap();
+    machine.operate(0.06).unwrap();
+    assert!(near(voltage(&machine, "u"), row(4, false, 13)[12]), "another grid, from t = 0 on");
+    let refused = machine.set("s", 4.5);
+    assert!(matches!(refused, Err(RunError::NotWhole { value: 4.5, .. })), "{refused:?}");
+    machine.initial_condition().unwrap();
+    assert!(near(voltage(&machine, "u"), row(4, false, 1)[0]));
+}
+
+#[test]
+fn a_grid_beyond_reason_is_refused() {
+    let patch = volts("fine").drive("u", "volt", noise(1, 1e-9)).record(["u"]).build().unwrap();
+    let circuit = Circuit::new(&patch, &[]).unwrap();
+    let settings = RunSettings { step: 1.0, every: 1.0, ..RunSettings::of(&circuit).unwrap() };
+    let settings = settings.lasting(200.0);
+    let stopped = solve::run(&Program::new(&circuit).unwrap(), &settings).unwrap_err();
+    assert!(matches!(&stopped.error, RunError::NoiseTooFine { element, .. } if element == "u"), "{stopped}");
+}
+
+/// Noise whose height, in a quantity of -0.5 m/s per volt, is a parameter.
+fn of_any_height() -> Program {
+    let drive = element("noise").set("rms", "r").set("every", "T").set("seed", 3);
+    let builder = PatchBuilder::new("height").scale("velocity", -0.5, "m/s");
+    let builder = builder.parameter("r", 1.0, "m/s", [-5.0, 5.0]).parameter("T", 0.1, "s", [1e-9, 1.0]);
+    built(builder.drive("u", "velocity", drive).record(["u"]).run(200.0, 0.1))
+}
+
+#[test]
+fn a_height_below_0_cannot_be_set_whatever_the_sign_of_the_scale() {
+    let program = of_any_height();
+    let mut machine = ran(&program, 0.1, 0.0);
+    machine.set("r", 2.0).unwrap();
+    assert!(near(voltage(&machine, "u"), -4.0 * row(3, false, 1)[0]));
+    assert_eq!(machine.set("r", -2.0).unwrap_err().to_string(), "u rms comes to -2, below 0");
+}
+
+#[test]
+fn a_grid_beyond_reason_cannot_be_set_within_a_run() {
+    let program = of_any_height();
+    let phases = vec![Phase::operate(50.0), Phase::set("T", 1e-9), Phase::operate(150.0)];
+    let record = vec!["u".to_owned()];
+    let settings = RunSettings {
+        phases,
+        step: 0.1,
+        tolerance: None,
+        every: 0.1,
+        hold_on_overload: false,
+        lamps: true,
+        record,
+        sensitivities: vec![],
+        backend: Backend::default(),
+    };
+    let stopped = solve::run(&program, &settings).unwrap_err();
+    assert!(
+        matches!(&stopped.error, RunError::NoiseTooFine { numbers, .. } if *numbers > 1.4e11),
+        "{stopped}"
+    );
+    assert!((stopped.trace.time.last().unwrap() - 50.0).abs() < 1e-9, "and the record until then stays");
+}

@@ -1,0 +1,21 @@
+//! Tests of the engine: elements, loops, events, steps, backends, derivatives.
+
+mod adaptive;
+mod allocation;
+mod backends;
+mod bad_patches;
+mod bouncing_ball;
+mod brake;
+mod common;
+mod delay;
+mod elements;
+mod known;
+mod laws;
+mod limit;
+mod loops;
+mod macros;
+mod order;
+mod problems;
+mod relay;
+mod scipy;
+mod sensitivity;

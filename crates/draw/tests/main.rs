@@ -1,0 +1,8 @@
+//! Tests of schematics and patch panels.
+
+mod board;
+mod bode;
+#[path = "../../core/tests/common/mod.rs"]
+mod common;
+mod drawn;
+mod schematic;

@@ -1,0 +1,165 @@
+use std::fmt;
+
+use super::write::written;
+
+/// How far two exponents may differ and still count as the same power.
+const EXPONENT_TOLERANCE: f64 = 1e-9;
+
+const BASE_UNITS: [&str; 5] = ["kg", "m", "s", "A", "K"];
+
+/// The dimensions that read better under a name than in base units.
+const NAMED: [(&str, Dimension); 18] = [
+    ("N", Dimension::FORCE),
+    ("N/m", Dimension::new(1, 0, -2, 0, 0)),
+    ("N s/m", Dimension::new(1, 0, -1, 0, 0)),
+    ("N s", Dimension::new(1, 1, -1, 0, 0)),
+    ("N/s", Dimension::new(1, 1, -3, 0, 0)),
+    ("Pa", Dimension::PRESSURE),
+    ("Pa s", Dimension::VISCOSITY),
+    ("J", Dimension::ENERGY),
+    ("W", Dimension::POWER),
+    ("V", Dimension::VOLTAGE),
+    ("V/s", Dimension::new(1, 2, -4, -1, 0)),
+    ("ohm", Dimension::RESISTANCE),
+    ("C", Dimension::CHARGE),
+    ("F", Dimension::CAPACITANCE),
+    ("H", Dimension::INDUCTANCE),
+    ("T", Dimension::FLUX_DENSITY),
+    ("N/A", Dimension::new(1, 1, -2, -1, 0)),
+    ("W/K", Dimension::new(1, 2, -3, 0, -1)),
+];
+
+/// What kind of quantity a number measures: the powers of kg, m, s, A and K in its SI unit.
+///
+/// Two dimensions are equal when their exponents agree to within 1e-9, so that a root followed by
+/// a power leads back to where it began.
+///
+/// It displays as the SI unit, `N s/m` or `kg m2`; without any unit as `a pure number`.
+#[derive(Debug, Clone, Copy)]
+pub struct Dimension {
+    exponents: [f64; 5],
+}
+
+impl Dimension {
+    /// A pure number.
+    pub const NONE: Self = Self::new(0, 0, 0, 0, 0);
+    /// Mass, kg.
+    pub const MASS: Self = Self::new(1, 0, 0, 0, 0);
+    /// Length, m.
+    pub const LENGTH: Self = Self::new(0, 1, 0, 0, 0);
+    /// Time, s.
+    pub const TIME: Self = Self::new(0, 0, 1, 0, 0);
+    /// Electric current, A.
+    pub const CURRENT: Self = Self::new(0, 0, 0, 1, 0);
+    /// Temperature, K.
+    pub const TEMPERATURE: Self = Self::new(0, 0, 0, 0, 1);
+    /// Volume, m3.
+    pub const VOLUME: Self = Self::new(0, 3, 0, 0, 0);
+    /// Frequency or rate, 1/s.
+    pub const FREQUENCY: Self = Self::new(0, 0, -1, 0, 0);
+    /// Force, N.
+    pub const FORCE: Self = Self::new(1, 1, -2, 0, 0);
+    /// Pressure, Pa.
+    pub const PRESSURE: Self = Self::new(1, -1, -2, 0, 0);
+    /// Dynamic viscosity, Pa s.
+    pub const VISCOSITY: Self = Self::new(1, -1, -1, 0, 0);
+    /// Energy, J.
+    pub const ENERGY: Self = Self::new(1, 2, -2, 0, 0);
+    /// Power, W.
+    pub const POWER: Self = Self::new(1, 2, -3, 0, 0);
+    /// Voltage, V.
+    pub const VOLTAGE: Self = Self::new(1, 2, -3, -1, 0);
+    /// Electric resistance, ohm.
+    pub const RESISTANCE: Self = Self::new(1, 2, -3, -2, 0);
+    /// Electric charge, C.
+    pub const CHARGE: Self = Self::new(0, 0, 1, 1, 0);
+    /// Electric capacitance, F.
+    pub const CAPACITANCE: Self = Self::new(-1, -2, 4, 2, 0);
+    /// Inductance, H.
+    pub const INDUCTANCE: Self = Self::new(1, 2, -2, -2, 0);
+    /// Magnetic flux density, T.
+    pub const FLUX_DENSITY: Self = Self::new(1, 0, -2, -1, 0);
+
+    /// The dimension with these powers of kg, m, s, A and K.
+    pub const fn new(kilogram: i8, metre: i8, second: i8, ampere: i8, kelvin: i8) -> Self {
+        Self { exponents: [kilogram as f64, metre as f64, second as f64, ampere as f64, kelvin as f64] }
+    }
+
+    /// The dimension of the product of two quantities.
+    pub fn times(self, other: Self) -> Self {
+        self.combined(other, |a, b| a + b)
+    }
+
+    /// The dimension of the quotient of two quantities.
+    pub fn over(self, other: Self) -> Self {
+        self.combined(other, |a, b| a - b)
+    }
+
+    /// The dimension of a quantity raised to a power; 0.5 is the square root.
+    pub fn power(self, exponent: f64) -> Self {
+        Self { exponents: self.exponents.map(|own| own * exponent) }
+    }
+
+    /// Whether this is a pure number.
+    pub fn is_none(self) -> bool {
+        self == Self::NONE
+    }
+
+    fn combined(self, other: Self, combine: impl Fn(f64, f64) -> f64) -> Self {
+        let combined = |place| combine(self.exponents[place], other.exponents[place]);
+        Self { exponents: std::array::from_fn(combined) }
+    }
+}
+
+impl PartialEq for Dimension {
+    fn eq(&self, other: &Self) -> bool {
+        let mut pairs = self.exponents.iter().zip(other.exponents);
+        pairs.all(|(own, others)| (own - others).abs() < EXPONENT_TOLERANCE)
+    }
+}
+
+impl fmt::Display for Dimension {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_none() {
+            return out.pad("a pure number");
+        }
+        match NAMED.iter().find(|(_, dimension)| dimension == self) {
+            Some((name, _)) => out.pad(name),
+            None => out.pad(&written(BASE_UNITS.into_iter().zip(self.exponents))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Unit;
+    use super::*;
+
+    #[test]
+    fn every_name_stands_for_its_dimension() {
+        for (name, dimension) in NAMED {
+            assert_eq!(Unit::parse(name).unwrap().dimension(), dimension, "{name}");
+        }
+    }
+
+    #[test]
+    fn displays_si_units() {
+        let speed = Dimension::LENGTH.over(Dimension::TIME);
+        assert_eq!(speed.to_string(), "m/s");
+        assert_eq!(speed.over(Dimension::TIME).to_string(), "m/s2");
+        assert_eq!(Dimension::MASS.times(speed.power(2.0)).to_string(), "J");
+        assert_eq!(Dimension::FORCE.power(2.0).to_string(), "kg2 m2/s4");
+        assert_eq!(Dimension::FREQUENCY.to_string(), "1/s");
+        assert_eq!(Dimension::TIME.power(0.5).to_string(), "s^0.5");
+        let loss = Dimension::CURRENT.over(Dimension::LENGTH.times(Dimension::TEMPERATURE));
+        assert_eq!(loss.to_string(), "A/(m K)");
+        assert_eq!(Dimension::NONE.to_string(), "a pure number");
+    }
+
+    #[test]
+    fn roots_lead_back() {
+        let third = Dimension::FORCE.power(1.0 / 3.0);
+        assert_eq!(third.times(third).times(third), Dimension::FORCE);
+        assert_ne!(third, Dimension::FORCE);
+    }
+}

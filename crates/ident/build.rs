@@ -1,0 +1,23 @@
+//! Lists the effects that are part of the program: every file of `patches/effects`.
+
+use std::path::Path;
+use std::{env, fs};
+
+const EFFECTS: &str = "../../patches/effects";
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    println!("cargo::rerun-if-changed={EFFECTS}");
+    let folder = Path::new(&env::var("CARGO_MANIFEST_DIR")?).join(EFFECTS);
+    let entries = fs::read_dir(&folder)?.collect::<Result<Vec<_>, _>>()?;
+    let mut files: Vec<_> = entries.into_iter().map(|entry| entry.path()).collect();
+    files.retain(|file| file.extension().is_some_and(|ending| ending == "json"));
+    files.sort();
+    let row = |file: &std::path::PathBuf| {
+        let name = file.file_name().map(|name| name.to_string_lossy().into_owned());
+        format!("    ({:?}, include_str!({:?})),\n", name.unwrap_or_default(), file)
+    };
+    let rows: String = files.iter().map(row).collect();
+    let out = Path::new(&env::var("OUT_DIR")?).join("effects.rs");
+    fs::write(out, format!("&[\n{rows}]\n"))?;
+    Ok(())
+}

@@ -1,0 +1,142 @@
+//! What a designer knows of a slideway.
+
+use super::document::rounded;
+use super::error::ChainError;
+use crate::slideway::Range;
+use crate::slideway::design::{Design, Interface, LIFT, NON_POLAR, POLAR_ADDITIVE};
+use crate::slideway::ridge::Ridge;
+use crate::slideway::units::{CM2, KGF, KGF_PER_CM2, N_PER_MM, POISE, UM};
+use crate::slideway::wedge::RangeProfile;
+use patchcord_core::document::told;
+
+const VISCOSITY: Range = Range::new("viscosity", "P", 1e-3, 1e3);
+const WEIGHT: Range = Range::positive("weight", "kgf");
+const AREA: Range = Range::positive("area", "cm2");
+const STIFFNESS: Range = Range::positive("stiffness", "kN/mm");
+/// The pressures over which the surfaces of chapter 7 are known.
+const PRESSURE: Range = Range::new("weight / area", "kgf/cm2", 1e-4, 8.0);
+
+/// Those of [`Ridge`], as a designer has them.
+const RIDGE_WIDTH: Range = Range::new("width of a ridge", "um", 1e-3, 1e5);
+const RIDGE_HEIGHT: Range = Range::new("height of a ridge", "um", 1e-3, 1e5);
+
+/// Viscosities and weights for which the study has measurements.
+const MEASURED_VISCOSITY: Range = Range::new("oil", "P", 0.13, 0.595);
+const MEASURED_WEIGHT: Range = Range::new("table", "kgf", 450.0, 850.0);
+const MEASURED_STIFFNESS: Range = Range::new("drive", "kN/mm", 11.0, 45.0);
+
+/// What a designer gives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Input {
+    /// Viscosity of the oil.
+    Viscosity,
+    /// Weight of the table.
+    Weight,
+    /// Area of the slides.
+    Area,
+    /// Stiffness of the drive.
+    Stiffness,
+    /// Width of a ridge.
+    RidgeWidth,
+    /// Height of a ridge.
+    RidgeHeight,
+}
+
+/// A slideway: oil, table, drive and surfaces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inputs {
+    /// Viscosity of the oil, in Pa s: 0.0001 ... 100.
+    pub viscosity: f64,
+    /// Whether the oil has a polar additive.
+    pub polar: bool,
+    /// Weight of the table, in N, above 0.
+    pub weight: f64,
+    /// Apparent area of the slides, in m2, above 0; 1e-4 ... 8 kgf stand on a square centimetre.
+    pub area: f64,
+    /// Stiffness of the drive, in N/m, above 0.
+    pub stiffness: f64,
+    /// The ridges of its surfaces.
+    pub ridge: Ridge,
+}
+
+impl Inputs {
+    /// A table on the study's slideway: 697 cm2 of ground cast iron, oil without polar additive (9.3). Viscosity in Pa s, weight in N,
+    /// stiffness in N/m.
+    pub const fn of_study(viscosity: f64, weight: f64, stiffness: f64) -> Self {
+        let area = Interface::MODEL.area;
+        Inputs { viscosity, polar: false, weight, area, stiffness, ridge: Ridge::GROUND }
+    }
+
+    /// Mean pressure Pw, in Pa.
+    pub fn pressure(&self) -> f64 {
+        self.weight / self.area
+    }
+
+    /// What eq 93-9 is told of it: KLP of the oil, the climb Z / B of the ridges, and for the lift Ho + hd the gap at which their ranges
+    /// just touch (eq 139-7).
+    ///
+    /// # Errors
+    /// Where one of them is out of its range, in the units that the study has for it.
+    pub fn design(&self) -> Result<Design, ChainError> {
+        let looks: [(_, _, &'static [Input]); 7] = [
+            (VISCOSITY, self.viscosity / POISE, &[Input::Viscosity]),
+            (WEIGHT, self.weight / KGF, &[Input::Weight]),
+            (AREA, self.area / CM2, &[Input::Area]),
+            (STIFFNESS, self.kilonewtons(), &[Input::Stiffness]),
+            (PRESSURE, self.pressure() / KGF_PER_CM2, &[Input::Weight, Input::Area]),
+            (RIDGE_WIDTH, self.ridge.width / UM, &[Input::RidgeWidth]),
+            (RIDGE_HEIGHT, self.ridge.height / UM, &[Input::RidgeHeight]),
+        ];
+        for (range, value, inputs) in looks {
+            range.check(rounded(value)).map_err(|error| ChainError::Input { inputs, error })?;
+        }
+        let of_ridges = |error| ChainError::Input { inputs: &[Input::RidgeWidth, Input::RidgeHeight], error };
+        let polar = if self.polar { POLAR_ADDITIVE } else { NON_POLAR };
+        let profile = RangeProfile { ridge: self.ridge, ..RangeProfile::OF_STUDY };
+        let lift = profile.touching_gap().and_then(|lift| LIFT.check(lift)).map_err(of_ridges)?;
+        let interface = Interface { area: self.area, polar, flank: self.ridge.climb().map_err(of_ridges)? };
+        Ok(Design {
+            weight: self.weight,
+            lift,
+            viscosity: self.viscosity,
+            stiffness: self.stiffness,
+            interface,
+        })
+    }
+
+    /// The slideway in a line.
+    pub fn title(&self) -> String {
+        let [oil, weight, area] = [self.viscosity / POISE, self.weight / KGF, self.area / CM2].map(told);
+        let (kind, drive) = (if self.polar { ", polar additive" } else { "" }, told(self.kilonewtons()));
+        format!("Slideway: oil of {oil} P{kind}, {weight} kgf on {area} cm2, drive of {drive} kN/mm")
+    }
+
+    /// Stiffness in kN/mm.
+    fn kilonewtons(&self) -> f64 {
+        self.stiffness / N_PER_MM / 1e3
+    }
+
+    /// What lies beyond the oils, tables and drives that the study has measurements for: there its laws are stretched.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let looks = [
+            (MEASURED_VISCOSITY, self.viscosity / POISE, "..."),
+            (MEASURED_WEIGHT, self.weight / KGF, "and"),
+            (MEASURED_STIFFNESS, self.kilonewtons(), "..."),
+        ];
+        let looks = looks.map(|(range, value, to)| (range, rounded(value), to));
+        let beyond = looks.into_iter().filter(|(range, value, _)| range.check(*value).is_err());
+        let mut notes: Vec<_> = beyond.map(|(range, value, to)| extrapolates(range, value, to)).collect();
+        if self.polar {
+            notes.push("no oil with polar additive was measured: Tc is that of an oil without".to_owned());
+        }
+        notes
+    }
+}
+
+/// That a value lies beyond those that were measured, from the lowest to the highest or these two.
+fn extrapolates(Range { quantity, unit, low, high }: Range, value: f64, to: &str) -> String {
+    format!(
+        "{quantity} is {} {unit}, and was measured at {low} {to} {high} {unit} only: this extrapolates",
+        told(value)
+    )
+}

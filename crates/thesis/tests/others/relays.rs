@@ -1,0 +1,67 @@
+//! Point h of the thesis's comparison: friction applied by five relays, and what their hysteresis and slowness change.
+
+use serde_json::json;
+
+use crate::common::document;
+use crate::others::bench::{Even, NAKASHIMA, edited, names, shipped};
+use patchcord_core::patch::Patch;
+
+/// The patch with coils behind R1: R3, R4 and R5 follow it with a lag, and switch when that has come half way.
+pub fn with_coils(time: f64) -> Patch {
+    edited(NAKASHIMA, |elements| {
+        for relay in ["R3", "R4", "R5"] {
+            elements[relay]["in"] = json!("coil");
+        }
+        elements.insert("coil-lag".to_owned(), json!({"kind": "lag", "in": {"x1": ["R1"]}, "time": time}));
+        elements.insert("coil".to_owned(), json!({"kind": "inverter", "in": "coil-lag"}));
+    })
+}
+
+/// What is wrong with the relays, on the page, and what comes of it at 1 mm/s.
+pub fn faults() -> Vec<(String, Even)> {
+    let ideal = shipped(NAKASHIMA);
+    let set = |changes: &[(&str, f64)]| Even::set(&ideal, changes, 1e-3);
+    let mut faults = vec![("nothing".to_owned(), set(&[]))];
+    for volts in [0.1, 1.0] {
+        faults.push((format!("hysteresis of {volts} V"), set(&[("hysteresis", volts)])));
+    }
+    for volts in [0.1, 1.0] {
+        let even = set(&[("hysteresis", 2.0 * volts), ("late", volts)]);
+        faults.push((format!("{volts} V late either way"), even));
+    }
+    for time in [0.2e-3, 1e-3, 2e-3] {
+        let even = Even::set(&with_coils(time), &[], 1e-3);
+        faults.push((format!("coils with {} ms", time * 1e3), even));
+    }
+    faults
+}
+
+#[test]
+fn h_five_relays_apply_the_friction() {
+    let relays = |stem| names(document(stem)["elements"].as_object().unwrap(), "relay").len();
+    assert_eq!([relays(NAKASHIMA), relays("thesis/fig-8-16"), relays("thesis/fig-8-17")], [5, 0, 0]);
+}
+
+#[test]
+fn h_hysteresis_alone_changes_nothing() {
+    let ideal = Even::set(&shipped(NAKASHIMA), &[], 1e-3);
+    let wide = Even::set(&shipped(NAKASHIMA), &[("hysteresis", 1.0)], 1e-3);
+    let off = ideal.velocity.iter().zip(&wide.velocity).map(|(one, other)| (one - other).abs());
+    assert!(
+        off.fold(0.0, f64::max) < 1e-11,
+        "the table is fast before R2 drops out, and held before R1 pulls in"
+    );
+}
+
+/// What releases late slides backward; what is late longer does so more.
+#[test]
+fn h_relays_that_switch_late_change_the_motion() {
+    let coils = [0.2e-3, 1e-3, 2e-3].map(|time| Even::set(&with_coils(time), &[], 1e-3));
+    let ideal = Even::set(&shipped(NAKASHIMA), &[], 1e-3);
+    let mut before = &ideal;
+    for coil in &coils {
+        assert!(coil.slips_per_second() < before.slips_per_second());
+        assert!(coil.most() > before.most() && coil.least() < before.least());
+        before = coil;
+    }
+}

@@ -1,0 +1,44 @@
+//! Shipped patches on the bench: set, run, recorded.
+
+use std::collections::HashMap;
+
+use crate::common::program_of;
+use crate::known::runs::circuit;
+use patchcord_core::patch::Amount;
+use patchcord_core::solve::Machine;
+use patchcord_core::trace::Trace;
+
+pub use crate::common::document;
+
+pub fn lit(trace: &Trace) -> Vec<&str> {
+    trace.overloads().map(|overload| overload.element.as_str()).collect()
+}
+
+/// Pot settings of a patch, by name.
+pub fn pots(stem: &str, changes: &[(&str, f64)]) -> HashMap<String, f64> {
+    let circuit = circuit(stem, changes);
+    let settings = circuit.elements().into_iter().filter(|element| element.kind.name == "pot").map(|pot| {
+        let Some(Amount::Formula(formula)) = pot.settings[0].as_ref().map(|placed| &placed.value) else {
+            panic!("{} has no setting", pot.name)
+        };
+        (pot.name.clone(), formula.evaluate(circuit.quantities()).unwrap())
+    });
+    settings.collect()
+}
+
+/// Voltages in initial condition, which is what the voltmeter reads in problem check.
+pub fn volts_at_rest(stem: &str, elements: &[&str]) -> Vec<f64> {
+    let program = program_of(&circuit(stem, &[]));
+    let machine = Machine::new(&program, 2e-5).unwrap();
+    assert!(!machine.is_overloaded());
+    elements.iter().map(|element| machine.voltage(element).unwrap()).collect()
+}
+
+/// Peak to peak over the 40 samples from each on: 40 ms, about two periods near the critical velocity.
+pub fn swing(velocity: &[f64]) -> Vec<f64> {
+    let span = |window: &[f64]| {
+        let bounds = window.iter().fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(*v), high.max(*v)));
+        bounds.1 - bounds.0
+    };
+    velocity.windows(40).map(span).collect()
+}

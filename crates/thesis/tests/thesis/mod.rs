@@ -1,0 +1,19 @@
+//! The thesis's circuits against physics written down independently, and against what its text says of them.
+
+mod bench;
+mod compromise;
+mod fig_4_07;
+mod fig_8_04;
+mod fig_8_05;
+mod fig_8_07;
+mod fig_8_09;
+mod fig_8_11;
+mod fig_8_14;
+mod fig_8_15;
+mod fig_8_16;
+mod fig_8_16_both;
+mod fig_8_16_coulomb;
+mod fig_8_16_lag_last;
+mod fig_8_17;
+mod instruments;
+mod slideway;

@@ -1,0 +1,206 @@
+//! The command line as a user meets it: what it prints, what it writes, how it ends.
+
+mod check;
+mod completions;
+mod draw;
+mod effects;
+mod files;
+mod gap;
+mod linearise;
+mod macros;
+mod man;
+mod new;
+mod phases;
+mod pictures;
+mod profile;
+mod readme;
+mod refused;
+mod replay;
+mod run;
+mod sensitivity;
+mod slideway;
+mod sweep;
+mod sweep_killed;
+mod sweep_page;
+
+use std::fs;
+use std::process::Output;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+const FIG_8_16: &str = "patches/thesis/fig-8-16.json";
+
+fn patchcord(arguments: &[&str]) -> Output {
+    Command::cargo_bin("patchcord").unwrap().args(arguments).output().unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn errors(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {}", out(output)))
+}
+
+fn path(folder: &tempfile::TempDir, name: &str) -> String {
+    folder.path().join(name).display().to_string()
+}
+
+#[test]
+fn json_is_one_document_and_nothing_else() {
+    let check = json(&patchcord(&["check", FIG_8_16, "--json"]));
+    assert_eq!(check["ok"], true);
+    let volts = |name: &str| {
+        let all = check["voltages"].as_array().unwrap();
+        all.iter().find(|read| read["element"] == name).unwrap()["volts"].as_f64().unwrap()
+    };
+    assert_eq!((volts("A1"), volts("B1"), volts("X2")), (100.0, -100.0, -50.0));
+    let scaling = check["scaling"].as_array().unwrap();
+    assert!(scaling.iter().any(|row| row["block"] == "K" && row["output"] == "spring_force"));
+    assert!(scaling.iter().all(|row| row["difference"].as_f64().unwrap().abs() < 1e-12));
+    let run = json(&patchcord(&["run", FIG_8_16, "--for", "0.01", "--json"]));
+    assert_eq!(run["samples"], 11);
+    assert_eq!(run["readings"][0]["signal"], "v_i");
+    assert_eq!(run["sweeps"][0]["overloads"].as_array().unwrap().len(), 0);
+    assert!(json(&patchcord(&["elements", "--json"])).as_array().unwrap().len() >= 15);
+    assert_eq!(json(&patchcord(&["elements", "pot", "--json"]))[0]["settings"][0]["name"], "setting");
+    let machines = json(&patchcord(&["machines", "--json"]));
+    assert_eq!(
+        (&machines[0]["name"], &machines[0]["parts"]["summers"]),
+        (&"solartron-1451".into(), &16.into())
+    );
+}
+
+#[test]
+fn a_wrong_patch_ends_with_1_and_its_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "wrong.json");
+    let text = fs::read_to_string(FIG_8_16).unwrap().replace("\"in\": \"B5\"", "\"in\": \"B55\"");
+    fs::write(&file, text).unwrap();
+    let checked = patchcord(&["check", &file]);
+    assert_eq!((code(&checked), out(&checked).as_str()), (1, ""));
+    assert!(errors(&checked).contains("unknown-name") && errors(&checked).contains("did you mean"));
+    let told = patchcord(&["check", &file, "--json"]);
+    assert_eq!(code(&told), 1);
+    let first = json(&told)["diagnostics"][0].clone();
+    assert_eq!((&first["code"], first["line"].is_u64()), (&"unknown-name".into(), true));
+}
+
+#[test]
+fn a_wrong_command_line_ends_with_2() {
+    let folder = tempfile::tempdir().unwrap();
+    let plot = path(&folder, "out.gif");
+    let wrong: &[&[&str]] = &[
+        &["run", FIG_8_16, "--set", "VLc=1e-3"],
+        &["run", FIG_8_16, "--set", "VcL"],
+        &["run", FIG_8_16, "--set", "VcL=fast"],
+        &["run", FIG_8_16, "--set", "VcL=NaN"],
+        &["run", FIG_8_16, "--set", "VcL=1"],
+        &["run", FIG_8_16, "--for", "-1"],
+        &["run", FIG_8_16, "--step", "0"],
+        &["run", FIG_8_16, "--every", "inf"],
+        &["run", FIG_8_16, "--repeat", "0"],
+        &["run", FIG_8_16, "--record", "v_p"],
+        &["run", FIG_8_16, "--record", "v_o,,v_i"],
+        &["run", FIG_8_16, "--record", "+100"],
+        &["run", FIG_8_16, "--every", "9"],
+        &["run", FIG_8_16, "--step", "9"],
+        &["run", FIG_8_16, "--for", "1e-4"],
+        &["run", FIG_8_16, "--step", "1e-300"],
+        &["run", FIG_8_16, "--for", "1e9"],
+        &["run", FIG_8_16, "--every", "1e-8", "--repeat", "2"],
+        &["run", FIG_8_16, "--plot", &plot],
+        &["run"],
+        &["replay-all"],
+        &["elements", "sumer"],
+        &["new", "Cargo.toml"],
+        &["new", FIG_8_16],
+        &["completions", "tcsh"],
+        &["man", "rum"],
+    ];
+    for arguments in wrong {
+        let ran = patchcord(arguments);
+        assert_eq!(code(&ran), 2, "{arguments:?}: {}", errors(&ran));
+        assert!(!errors(&ran).is_empty(), "{arguments:?}");
+        assert!(!errors(&ran).contains("000000"), "{}", errors(&ran));
+        let told = patchcord(&[arguments, &["--json"][..]].concat());
+        assert_eq!((code(&told), &json(&told)["ok"]), (2, &false.into()), "{arguments:?}");
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+const SPRING: &str = r#"{
+  "patchcord": 1,
+  "title": "Mass on a spring",
+  "scales": {"position": {"per_volt": 1, "unit": "mm"}},
+  "elements": {
+    "A1": {"kind": "integrator", "in": {"x10": ["P1"]}},
+    "A2": {"kind": "integrator", "in": {"x10": ["A1"]}, "initial": -50},
+    "B1": {"kind": "summer", "in": {"x1": ["A2"]}},
+    "P1": {"kind": "pot", "in": "B1", "setting": 0.394784176}
+  },
+  "signals": {"x": {"at": "B1", "scale": "position"}},
+  "run": {"for": 3.25, "step": 1e-3}
+}"#;
+
+/// A small patch in a folder of its own, one thing in it changed.
+fn spring_with(before: &str, after: &str) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "spring.json");
+    assert!(SPRING.contains(before), "{before}");
+    fs::write(&file, SPRING.replace(before, after)).unwrap();
+    (folder, file)
+}
+
+fn spring() -> (tempfile::TempDir, String) {
+    spring_with("", "")
+}
+
+#[test]
+fn warnings_are_counted_and_leave_an_unknown_parameter_a_wrong_command_line() {
+    let (_folder, file) = spring_with("\n  \"run\"", "\n  \"record\": [\"A1\", \"x\"],\n  \"run\"");
+    let checked = patchcord(&["check", &file]);
+    assert_eq!(code(&checked), 0);
+    assert!(out(&checked).contains("spring.json: no errors, 1 warning\n"), "{}", out(&checked));
+    assert_eq!(code(&patchcord(&["check", &file, "--set", "k=1"])), 2);
+}
+
+#[test]
+fn control_characters_do_not_reach_the_terminal() {
+    let (_folder, file) = spring_with("Mass on a spring", "Mass\\u001b[2J\\u0007\\u009b1m on a spring");
+    for arguments in [["check", &file], ["run", &file]] {
+        let shown = out(&patchcord(&arguments));
+        assert!(shown.contains("Mass[2J1m on a spring\n"), "{shown:?}");
+        assert!(shown.chars().all(|letter| letter == '\n' || !letter.is_control()), "{shown:?}");
+    }
+    let told = patchcord(&["check", &file, "--json"]);
+    assert_eq!(json(&told)["title"], "Mass\u{1b}[2J\u{7}\u{9b}1m on a spring");
+    assert!(out(&told).chars().all(|letter| letter == '\n' || !letter.is_control()));
+}
+
+#[test]
+fn the_page_of_elements_is_printed_too() {
+    assert_eq!(out(&patchcord(&["elements", "--markdown"])), patchcord::elements::reference_page());
+    let told = out(&patchcord(&["elements", "integrator"]));
+    assert!(
+        told.contains("law       d out / dt = ") && told.contains("\nsetting      unit  default"),
+        "{told}"
+    );
+}
+
+#[test]
+fn help_and_version_end_well() {
+    for arguments in [["--help"], ["--version"]] {
+        assert_eq!(code(&patchcord(&arguments)), 0);
+    }
+    assert!(out(&patchcord(&["run", "--json", "--help"])).contains("Usage"));
+}

@@ -1,0 +1,109 @@
+//! Dependencies point one way: between crates, and between the modules at the top of each crate.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+/// The crates; each may depend on those before it, except that the last two do not know each other.
+const CRATES: [&str; 6] = ["expr", "core", "analysis", "draw", "ident", "thesis"];
+const STRANGERS: [&str; 2] = ["ident", "thesis"];
+
+/// The modules at the top of a crate; each may import those before it.
+const MODULES: [(&str, &[&str]); 5] = [
+    ("expr", &["function", "units", "formula"]),
+    (
+        "core",
+        &[
+            "output",
+            "machines",
+            "grid",
+            "divided",
+            "delay_line",
+            "document",
+            "ir",
+            "elements",
+            "patch",
+            "circuit",
+            "lower",
+            "trace",
+            "kernel",
+            "solve",
+            "run_settings",
+        ],
+    ),
+    ("analysis", &["pool", "spare", "instruments", "linear", "sweep"]),
+    (
+        "draw",
+        &["html", "plot", "family", "scope", "plane", "profile_picture", "sensitivity", "bode", "schematic"],
+    ),
+    ("thesis", &["slideway", "chain", "replay"]),
+];
+
+/// The two halves of the thread pool import each other until a library replaces them.
+const TANGLED: [(&str, &str); 1] = [("pool", "spare")];
+
+/// Every source file below a folder, with the module at the top that it belongs to.
+fn sources(folder: &Path, top: Option<&str>, found: &mut Vec<(String, String)>) {
+    for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        let stem = entry.file_stem().unwrap().to_str().unwrap().to_owned();
+        let top = top.unwrap_or(&stem).to_owned();
+        if entry.is_dir() {
+            sources(&entry, Some(&top), found);
+        } else if entry.extension().is_some_and(|ending| ending == "rs") && stem != "tests" {
+            found.push((top, code(&fs::read_to_string(entry).unwrap())));
+        }
+    }
+}
+
+/// A source without comments and unit tests.
+fn code(text: &str) -> String {
+    let text = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+    text.lines().map(|line| line.split("//").next().unwrap_or_default().to_owned() + "\n").collect()
+}
+
+/// The modules of its own crate that a source names.
+fn imported(source: &str) -> BTreeSet<&str> {
+    let is_word = |letter: char| letter.is_alphanumeric() || letter == '_';
+    let rest = source.split("crate::").skip(1);
+    rest.map(|rest| rest.split(|letter| !is_word(letter)).next().unwrap_or_default()).collect()
+}
+
+#[test]
+fn modules_import_only_those_before_them() {
+    for (name, order) in MODULES {
+        let mut found = Vec::new();
+        sources(Path::new(&format!("crates/{name}/src")), None, &mut found);
+        let place = |module: &str| order.iter().position(|known| *known == module);
+        for (module, source) in found.iter().filter(|(module, _)| module != "lib") {
+            let own = place(module).unwrap_or_else(|| panic!("{name}: where does {module} belong?"));
+            for other in imported(source).into_iter().filter(|other| other != module) {
+                let Some(theirs) = place(other) else { continue };
+                let is_known = TANGLED.contains(&(module.as_str(), other));
+                assert!(theirs < own || is_known, "{name}: {module} must not import {other}");
+            }
+        }
+    }
+}
+
+#[test]
+fn crates_depend_only_on_those_before_them() {
+    let output = std::process::Command::new(env!("CARGO"))
+        .args(["metadata", "--format-version=1", "--no-deps", "--offline"])
+        .output()
+        .unwrap();
+    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
+    for (own, name) in CRATES.iter().enumerate() {
+        let packages = metadata["packages"].as_array().unwrap();
+        let package = packages.iter().find(|package| package["name"] == format!("patchcord-{name}")).unwrap();
+        for dependency in package["dependencies"].as_array().unwrap() {
+            let Some(other) = dependency["name"].as_str().unwrap().strip_prefix("patchcord-") else {
+                continue;
+            };
+            let theirs = CRATES.iter().position(|known| *known == other).unwrap();
+            let are_strangers = STRANGERS.contains(name) && STRANGERS.contains(&other);
+            assert!(theirs < own && !are_strangers, "{name} must not depend on {other}");
+        }
+    }
+}

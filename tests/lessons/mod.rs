@@ -1,0 +1,18 @@
+//! The lessons of patches/lessons against closed solutions, and against numbers that others worked out.
+
+mod bench;
+mod bouncing_ball;
+mod driven_oscillator;
+mod every_lesson;
+mod heat_rod;
+mod lorenz;
+mod mass_and_spring;
+mod mathieu;
+mod page;
+mod predator_and_prey;
+mod projectile;
+mod relay_thermostat;
+mod square_root_and_division;
+mod stick_slip;
+mod two_phase_oscillator;
+mod van_der_pol;
