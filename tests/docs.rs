@@ -14,7 +14,7 @@ use crate::known::runs;
 use patchcord::circuit::Circuit;
 use patchcord::draw::plot;
 use patchcord::elements::reference_page;
-use patchcord::ident::effect::{Attachment, Gives, Library, Reads};
+use patchcord::ident::effects::{Attachment, Gives, Library, Reads};
 use patchcord::ir::Program;
 use patchcord::patch::{Patch, json_schema};
 use patchcord::solve::{Backend, RunSettings};

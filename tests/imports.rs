@@ -11,7 +11,7 @@ const CRATES: [&str; 6] = ["expr", "core", "analysis", "draw", "ident", "thesis"
 const STRANGERS: [&str; 2] = ["ident", "thesis"];
 
 /// The modules at the top of a crate; each may import those before it.
-const MODULES: [(&str, &[&str]); 5] = [
+const MODULES: [(&str, &[&str]); 6] = [
     ("expr", &["function", "units", "formula"]),
     (
         "core",
@@ -37,6 +37,10 @@ const MODULES: [(&str, &[&str]); 5] = [
     (
         "draw",
         &["html", "plot", "family", "scope", "plane", "profile_picture", "sensitivity", "bode", "schematic"],
+    ),
+    (
+        "ident",
+        &["statistics", "data", "effects", "fit", "residuals", "localise", "design", "search", "report"],
     ),
     ("thesis", &["slideway", "chain", "replay"]),
 ];

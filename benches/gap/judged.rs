@@ -9,8 +9,8 @@ use crate::Outcome;
 use crate::hidden::{Effect, Hidden, Truth, in_si};
 use patchcord::expr::Unit;
 use patchcord::ident::Experiment;
-use patchcord::ident::effect::Library;
-use patchcord::ident::problem::Problem;
+use patchcord::ident::effects::Library;
+use patchcord::ident::fit::problem::Problem;
 use patchcord::ident::search::{Means, Outcome as Found, Verdict};
 
 /// How an answer stands to the truth.
@@ -94,7 +94,8 @@ impl Judged {
         let experiment = Experiment::read(&hidden.experiment(number)).map_err(|error| error.to_string())?;
         let problem = Problem::of(&experiment)?;
         let with = Means { library, threads, seed: 1 };
-        let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ())?;
+        let found =
+            patchcord::ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())?;
         let seconds = began.elapsed().as_secs_f64();
         let Some(found) = found else { return Err(format!("case {number} cannot be run").into()) };
         let effects = found.document(&problem)["effects"].as_array().cloned().unwrap_or_default();

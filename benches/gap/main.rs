@@ -26,7 +26,7 @@ use std::thread;
 use hidden::Hidden;
 use journal::Journal;
 use judged::Judged;
-use patchcord::ident::effect::Library;
+use patchcord::ident::effects::Library;
 use patchcord::output;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crate::judged::{Judged, Judgement, Parameter};
-use patchcord::ident::effect::Library;
+use patchcord::ident::effects::Library;
 
 /// What is told of cases whose gap is so large against the noise.
 const BANDS: [(&str, f64, f64); 3] =

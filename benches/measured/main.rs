@@ -10,10 +10,10 @@ use std::time::Instant;
 use std::{fs, thread};
 
 use patchcord::ident::Experiment;
-use patchcord::ident::effect::Library;
-use patchcord::ident::problem::Problem;
+use patchcord::ident::effects::Library;
+use patchcord::ident::fit::fitted_model::Stage;
+use patchcord::ident::fit::problem::Problem;
 use patchcord::ident::search::{Means, Outcome};
-use patchcord::ident::stage::Stage;
 use patchcord::output;
 
 const FOLDER: &str = "patches/measured";
@@ -58,7 +58,8 @@ fn row(name: &str, path: &Path) -> Result<String, Box<dyn Error>> {
     let with = Means { library: &library, threads, seed: 1 };
     let began = Instant::now();
     let problem = Problem::of(&experiment)?;
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ())?;
+    let found =
+        patchcord::ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())?;
     let found = found.ok_or(format!("{name} cannot be run"))?;
     let seconds = began.elapsed().as_secs_f64();
     let [before, after] = [&found.base, found.told()].map(|stage| told(&experiment, &problem, stage));

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use patchcord_core::patch::Patch;
-use patchcord_ident::model::{Choice, Knob, Model};
+use patchcord_ident::fit::model::{Choice, Knob, Model};
 use patchcord_ident::{Experiment, Record};
 
 /// The filter lets through what is slower than this, in Hz.

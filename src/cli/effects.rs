@@ -9,7 +9,8 @@ use super::failure::Failure;
 use super::table::Table;
 use super::{say, say_json, tell};
 use patchcord::document::suggestion;
-use patchcord::ident::effect::{Effect, Library, Page};
+use patchcord::ident::effects::{Effect, Library};
+use patchcord::ident::report::effect_page::Page;
 
 #[derive(Args)]
 pub(super) struct Arguments {

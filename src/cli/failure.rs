@@ -7,8 +7,8 @@ use serde_json::{Map, Value, json};
 use super::{errors_in_colour, say_json, tell, tell_coloured};
 use patchcord::document::{DocumentError, Report, Severity};
 use patchcord::ident::ExperimentError;
-use patchcord::ident::effect::EffectError;
-use patchcord::ident::model::ModelError;
+use patchcord::ident::effects::EffectError;
+use patchcord::ident::fit::model::ModelError;
 use patchcord::solve::RunError;
 
 /// What is told, and whose fault it is.

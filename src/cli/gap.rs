@@ -12,13 +12,13 @@ use super::numbers::{seed, threads};
 use super::progress::Bar;
 use super::{effects, gap_check, gap_report, say, say_json};
 use patchcord::ident::Experiment;
-use patchcord::ident::effect::Library;
-use patchcord::ident::limits::Visible;
-use patchcord::ident::page::Told;
-use patchcord::ident::places::Places;
-use patchcord::ident::problem::Problem;
-use patchcord::ident::progress::{Part, Progress};
-use patchcord::ident::report::asked;
+use patchcord::ident::design::detectability::Visible;
+use patchcord::ident::effects::Library;
+use patchcord::ident::effects::places::Places;
+use patchcord::ident::fit::problem::Problem;
+use patchcord::ident::report::document::asked;
+use patchcord::ident::report::page::Told;
+use patchcord::ident::search::progress::{Part, Progress};
 use patchcord::ident::search::{Means, Outcome};
 
 #[derive(Args)]
@@ -130,7 +130,15 @@ fn visible(arguments: &Arguments, experiment: &Experiment, library: &Library) ->
     let problem = Problem::of(experiment)?;
     let mut bar = Bar::new("effects");
     bar.iter_mut().for_each(|bar| bar.busy("fitting the patch, to see what the data could show beside it"));
-    let found = problem.visible(&experiment.patch, &experiment.fit, &means(arguments, library));
+    let Means { library, threads, seed } = means(arguments, library);
+    let found = patchcord::ident::design::detectability::visible_effects(
+        &problem,
+        &experiment.patch,
+        &experiment.fit,
+        library,
+        threads,
+        seed,
+    );
     found?.ok_or_else(|| not_run(experiment))
 }
 
@@ -143,7 +151,8 @@ fn searched(
     let problem = Problem::of(experiment)?;
     let mut bar = Bar::new("effects");
     let progress = |at: Progress| bar.iter_mut().for_each(|bar| tell(bar, at));
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, progress)?;
+    let found =
+        patchcord::ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, progress)?;
     let outcome = found.ok_or_else(|| not_run(experiment))?;
     Ok((problem, outcome))
 }

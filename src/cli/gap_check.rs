@@ -6,10 +6,10 @@ use serde_json::{Value, json};
 use super::failure::plural;
 use super::gap_report::weakest;
 use super::table::Table;
-use patchcord::ident::effect::Library;
-use patchcord::ident::limits::{Limit, Visible};
-use patchcord::ident::places::Places;
-use patchcord::ident::round::LeftOut;
+use patchcord::ident::design::detectability::{Limit, Visible};
+use patchcord::ident::effects::Library;
+use patchcord::ident::effects::places::Places;
+use patchcord::ident::fit::extended_model::LeftOut;
 use patchcord::ident::{Column, Experiment, Noise, NoiseKind, Record, SHARES, columns};
 use patchcord::instruments::{Display, number};
 

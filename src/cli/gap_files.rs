@@ -7,7 +7,8 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use super::files::{check_not, prepare, put, unwritable};
-use patchcord::ident::page::{self, Told};
+use patchcord::ident::report::page;
+use patchcord::ident::report::page::Told;
 use patchcord::ident::{Experiment, table_files};
 use patchcord::patch::Patch;
 

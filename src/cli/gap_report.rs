@@ -2,11 +2,12 @@
 
 use super::table::Table;
 use patchcord::ident::Experiment;
-use patchcord::ident::limits::{Limit, best_places};
-use patchcord::ident::problem::Problem;
-use patchcord::ident::round::{Round, Trial};
+use patchcord::ident::design::detectability::{Limit, best_places};
+use patchcord::ident::fit::problem::Problem;
+use patchcord::ident::localise as whereabouts;
+use patchcord::ident::localise::Whereabouts;
+use patchcord::ident::search::round::{Round, Trial};
 use patchcord::ident::search::{Outcome, Verdict};
-use patchcord::ident::whereabouts::{self, Whereabouts};
 use patchcord::instruments::number;
 
 /// So many trials are told of every round.

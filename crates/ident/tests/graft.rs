@@ -6,11 +6,11 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::{self, RunSettings};
 use patchcord_core::trace::Trace;
-use patchcord_ident::attached::{Attached, Role};
-use patchcord_ident::candidate::Candidate;
-use patchcord_ident::effect::{Effect, Library};
-use patchcord_ident::reach::{Extent, Largest};
-use patchcord_ident::site::{Reading, Sites};
+use patchcord_ident::effects::attach::{Attached, Role};
+use patchcord_ident::effects::candidate::Candidate;
+use patchcord_ident::effects::reach::{Extent, Largest};
+use patchcord_ident::effects::sites::{Reading, Sites};
+use patchcord_ident::effects::{Effect, Library};
 
 /// A mass of 2 kg pushed by a force of 10 N times a sine of 1 Hz; its integrator gives velocity with one sign or the other.
 fn mass(is_upright: bool) -> Patch {

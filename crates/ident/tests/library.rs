@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use patchcord_ident::effect::Library;
+use patchcord_ident::effects::Library;
 
 pub fn of(effects: &[&str]) -> Library {
     let folder = tempfile::tempdir().unwrap();

@@ -7,9 +7,9 @@ use serde_json::{Value, json};
 use super::library;
 use super::oscillator::{INTERVAL, measured};
 use patchcord_core::patch::Patch;
-use patchcord_ident::blind::Blind;
-use patchcord_ident::limits::{Limit, best_places};
-use patchcord_ident::problem::Problem;
+use patchcord_ident::design::detectability::{Limit, best_places};
+use patchcord_ident::fit::problem::Problem;
+use patchcord_ident::search::inconclusive::Blind;
 use patchcord_ident::search::{Means, Outcome, Verdict};
 use patchcord_ident::{Experiment, Record};
 
@@ -22,7 +22,9 @@ fn searched(experiment: &Experiment, problem: &Problem) -> Outcome {
 fn searched_for(effects: &[&str], experiment: &Experiment, problem: &Problem) -> Outcome {
     let library = library::of(effects);
     let with = Means { library: &library, threads: 2, seed: 1 };
-    problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap()
+    patchcord_ident::search::search(problem, &experiment.patch, &experiment.fit, &with, |_| ())
+        .unwrap()
+        .unwrap()
 }
 
 /// Data of an oscillator that lacks nothing, made by another program.
@@ -202,8 +204,10 @@ fn what_can_be_changed_together_is_told() {
     let untold = |force: f64| {
         let forces: Vec<f64> = (0..800).map(|sample| force * f64::from(sample % 100)).collect();
         let (experiment, problem) = measured(&forces, &stood);
-        let base = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
-        problem.with_errors(base).unwrap().untold()
+        let base = patchcord_ident::fit::base_fit::fit_base(&problem, &experiment.patch, &experiment.fit, 1)
+            .unwrap()
+            .unwrap();
+        patchcord_ident::fit::intervals::with_errors(&problem, base).unwrap().untold()
     };
     let told = untold(1e-9).unwrap();
     assert!(told.starts_with("These data do not tell M, k, c: their values"), "{told}");

@@ -15,7 +15,7 @@ use crate::equations::Equations;
 use patchcord_core::patch::Patch;
 use patchcord_core::solve::{self, RunSettings};
 use patchcord_ident::Experiment;
-use patchcord_ident::problem::Problem;
+use patchcord_ident::fit::problem::Problem;
 use patchcord_ident::search::{Means, Outcome, Verdict};
 
 const FOLDER: &str = "../../patches/measured";
@@ -213,7 +213,9 @@ fn searched(name: &str, effects: &[&str]) -> Option<(Experiment, Problem, Outcom
     let experiment = whose_data_are_there(&Path::new(FOLDER).join(format!("{name}.experiment.json")))?;
     let problem = Problem::of(&experiment).unwrap();
     let with = Means { library: &crate::library::of(effects), threads: 2, seed: 1 };
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    let found = patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())
+        .unwrap()
+        .unwrap();
     Some((experiment, problem, found))
 }
 

@@ -2,8 +2,8 @@
 
 use super::search::spoilt;
 use patchcord_ident::Experiment;
-use patchcord_ident::blind::Blind;
-use patchcord_ident::mistold::{Mistold, Otherwise};
+use patchcord_ident::residuals::misspecification::{Mistold, Otherwise};
+use patchcord_ident::search::inconclusive::Blind;
 use patchcord_ident::search::{Outcome, Verdict};
 
 /// What comes of an experiment whose output is told so many times too large.

@@ -8,7 +8,7 @@ use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use serde_json::json;
 
 use patchcord_ident::Experiment;
-use patchcord_ident::problem::Problem;
+use patchcord_ident::fit::problem::Problem;
 
 /// Seconds from sample to sample.
 pub const INTERVAL: f64 = 0.005;

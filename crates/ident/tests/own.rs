@@ -4,7 +4,7 @@ use std::fs;
 
 use super::integrated::integrated;
 use super::oscillator::{INTERVAL, measured};
-use patchcord_ident::effect::Library;
+use patchcord_ident::effects::Library;
 use patchcord_ident::search::Means;
 
 /// Where a mass of 3 kg stands on a spring of 500 N/m, with damping of 5 N s/m and a pull of k2 x^2, under a force that goes
@@ -31,7 +31,9 @@ fn the_effect_of_the_page_is_added_as_a_file_and_found() {
     let k2 = 800.0;
     let (experiment, problem) = measured(&forces, &askew(k2, &forces));
     let with = Means { library: &library, threads: 2, seed: 1 };
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    let found = patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())
+        .unwrap()
+        .unwrap();
     assert_eq!(found.sentence(), "square-stiffness at IV is missing");
     let told = &found.document(&problem)["effects"][0]["parameters"]["k2"];
     assert_eq!(told["unit"], "N/m2");

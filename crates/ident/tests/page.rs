@@ -4,9 +4,9 @@ use std::sync::LazyLock;
 
 use crate::r#where::oscillator;
 use patchcord_ident::Experiment;
-use patchcord_ident::effect::Library;
-use patchcord_ident::page::{Told, page};
-use patchcord_ident::problem::Problem;
+use patchcord_ident::effects::Library;
+use patchcord_ident::fit::problem::Problem;
+use patchcord_ident::report::page::{Told, page};
 use patchcord_ident::search::{Means, Outcome};
 
 /// The section of a page under a heading.
@@ -20,7 +20,10 @@ pub static HILL: LazyLock<(Experiment, Problem, Outcome)> = LazyLock::new(|| {
     let experiment = oscillator().measured();
     let problem = Problem::of(&experiment).unwrap();
     let with = Means { library: &Library::default(), threads: 1, seed: 1 };
-    let outcome = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    let outcome =
+        patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())
+            .unwrap()
+            .unwrap();
     (experiment, problem, outcome)
 });
 

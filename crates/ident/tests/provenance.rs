@@ -13,7 +13,7 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::{Edit, Patch};
 use patchcord_core::solve::{self, RunSettings};
 use patchcord_ident::Experiment;
-use patchcord_ident::problem::Problem;
+use patchcord_ident::fit::problem::Problem;
 use patchcord_ident::search::Outcome;
 
 /// What a patch leaves of the first training record when it is run as it stands, fed with the data: rms over the noise.

@@ -5,7 +5,7 @@ use serde_json::json;
 use super::noise::white;
 use super::search::spoilt;
 use patchcord_core::patch::Edit;
-use patchcord_ident::blind::Blind;
+use patchcord_ident::search::inconclusive::Blind;
 use patchcord_ident::search::{Outcome, Verdict};
 
 /// What comes of an oscillator whose spring pushes, fed with a force that has so much noise.

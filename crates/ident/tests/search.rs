@@ -9,9 +9,9 @@ use serde_json::{Value, json};
 use super::library;
 use patchcord_core::circuit::Circuit;
 use patchcord_ident::Experiment;
-use patchcord_ident::candidate::Candidate;
-use patchcord_ident::effect::Library;
-use patchcord_ident::problem::Problem;
+use patchcord_ident::effects::Library;
+use patchcord_ident::effects::candidate::Candidate;
+use patchcord_ident::fit::problem::Problem;
 use patchcord_ident::search::{Means, Outcome, Verdict};
 
 fn read(path: &Path) -> Experiment {
@@ -21,7 +21,9 @@ fn read(path: &Path) -> Experiment {
 pub fn outcome(experiment: &Experiment, problem: &Problem, threads: usize) -> Outcome {
     let library = Library::shipped();
     let with = Means { library: &library, threads, seed: 1 };
-    problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap()
+    patchcord_ident::search::search(problem, &experiment.patch, &experiment.fit, &with, |_| ())
+        .unwrap()
+        .unwrap()
 }
 
 /// The search of a case whose experiment something was done to, on two threads.
@@ -47,7 +49,9 @@ fn searched_among(case: &str, effects: &[&str]) -> (Problem, Outcome, Value) {
     let experiment = read(&folder.join("experiment.json"));
     let problem = Problem::of(&experiment).unwrap();
     let with = Means { library: &library::of(effects), threads: 2, seed: 1 };
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    let found = patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())
+        .unwrap()
+        .unwrap();
     let truth = std::fs::read_to_string(folder.join("truth.json")).unwrap();
     (problem, found, serde_json::from_str(&truth).unwrap())
 }
@@ -163,7 +167,9 @@ fn what_a_value_beyond_a_range_explains_is_not_called_unknown() {
     let problem = Problem::of(&experiment).unwrap();
     let library = library::of(&["drift"]);
     let with = Means { library: &library, threads: 2, seed: 1 };
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    let found = patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())
+        .unwrap()
+        .unwrap();
     let said = found.sentence();
     assert!(said.starts_with("these data cannot judge: the patch alone explains them with M = "), "{said}");
 }
@@ -181,7 +187,9 @@ fn an_effect_at_the_end_of_its_range_is_doubted() {
     let experiment = read(Path::new("tests/hidden/bias/experiment.json"));
     let problem = Problem::of(&experiment).unwrap();
     let with = Means { library: &library, threads: 2, seed: 1 };
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    let found = patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())
+        .unwrap()
+        .unwrap();
     let doubt =
         "The b of constant-bias is found at the end of its range: these data may ask for a value beyond it.";
     assert_eq!(found.sentence(), "constant-bias at I2 is missing");
@@ -208,7 +216,9 @@ fn a_record_that_begins_far_from_the_patch_is_found() {
     let experiment = Experiment::read(Path::new("tests/hidden/far/experiment.json"));
     let experiment = experiment.unwrap_or_else(|error| panic!("{error}"));
     let problem = Problem::of(&experiment).unwrap();
-    let base = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
+    let base = patchcord_ident::fit::base_fit::fit_base(&problem, &experiment.patch, &experiment.fit, 1)
+        .unwrap()
+        .unwrap();
     assert!(base.test.over_noise() < 1.1, "{}", base.test.over_noise());
 }
 

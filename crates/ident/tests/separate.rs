@@ -10,7 +10,7 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::{Edit, Patch};
 use patchcord_core::solve::{RunSettings, run};
 use patchcord_ident::Experiment;
-use patchcord_ident::problem::Problem;
+use patchcord_ident::fit::problem::Problem;
 use patchcord_ident::search::{Means, Outcome, Verdict};
 
 /// Where the oscillator stands whose drive comes 50 ms late.
@@ -42,7 +42,9 @@ fn searched(forces: &[f64]) -> (Experiment, Problem, Outcome) {
     let (experiment, problem) = measured(forces, &late(forces));
     let library = library::of(&["actuator-lag", "time-delay", "constant-bias"]);
     let with = Means { library: &library, threads: 2, seed: 1 };
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    let found = patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())
+        .unwrap()
+        .unwrap();
     (experiment, problem, found)
 }
 
@@ -114,7 +116,8 @@ fn what_motion_one_way_cannot_tell_a_drive_that_turns_does() {
     let patch = experiment.patch.edited("base.json", &[Edit::new("parameters/f/value", 1)]).unwrap();
     let library = library::of(&["constant-bias", "coulomb-friction"]);
     let with = Means { library: &library, threads: 2, seed: 1 };
-    let found = problem.search(&patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    let found =
+        patchcord_ident::search::search(&problem, &patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
     assert_eq!(found.verdict, Verdict::Ambiguous, "{}", found.sentence());
     let separating = found.separating.as_ref().unwrap();
     assert!(separating.tells() && separating.turns, "{}", separating.document());

@@ -11,13 +11,13 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::{Edit, Patch};
 use patchcord_core::solve::{self, RunSettings};
 use patchcord_ident::Experiment;
-use patchcord_ident::attached::Attached;
-use patchcord_ident::candidate::Candidate;
-use patchcord_ident::problem::Problem;
-use patchcord_ident::reach::Extent;
+use patchcord_ident::effects::attach::Attached;
+use patchcord_ident::effects::candidate::Candidate;
+use patchcord_ident::effects::reach::Extent;
+use patchcord_ident::effects::sites::Sites;
+use patchcord_ident::fit::fitted_model::Stage;
+use patchcord_ident::fit::problem::Problem;
 use patchcord_ident::search::{Means, Outcome, Verdict};
-use patchcord_ident::site::Sites;
-use patchcord_ident::stage::Stage;
 
 /// What patches/story/slide.py made the data with, by the names of Fig 8.16.
 const TRUTH: [(&str, f64); 6] =
@@ -46,7 +46,9 @@ fn search(experiment: &Experiment, effects: &[&str]) -> (Problem, Outcome) {
     let problem = Problem::of(experiment).unwrap();
     let library = library::of(effects);
     let with = Means { library: &library, threads: 2, seed: 1 };
-    let found = problem.search(&experiment.patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
+    let found = patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())
+        .unwrap()
+        .unwrap();
     (problem, found)
 }
 
@@ -101,7 +103,9 @@ fn the_data_are_those_of_fig_8_16_and_noise() {
     experiment.patch = thesis("fig-8-16").edited("fig-8-16.json", &edits).unwrap();
     experiment.fit.clear();
     let problem = Problem::of(&experiment).unwrap();
-    let stage = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
+    let stage = patchcord_ident::fit::base_fit::fit_base(&problem, &experiment.patch, &experiment.fit, 1)
+        .unwrap()
+        .unwrap();
     for fitted in [&stage.train, &stage.test] {
         let over = fitted.over_noise();
         assert!((over - 1.0).abs() < 0.05, "{over}");

@@ -3,9 +3,9 @@
 use super::noise::{slow, white};
 use super::oscillator::taken;
 use super::search::{outcome, spoilt};
-use patchcord_ident::blind::Blind;
+use patchcord_ident::fit::coloured_residual::Cause;
 use patchcord_ident::search::Verdict;
-use patchcord_ident::unrest::Cause;
+use patchcord_ident::search::inconclusive::Blind;
 
 /// A column with so much noise.
 fn noisy(samples: &mut [f64], size: f64, mut noise: impl FnMut() -> f64) {

@@ -11,11 +11,11 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::{Edit, Patch};
 use patchcord_core::solve::{RunSettings, run};
 use patchcord_ident::Experiment;
-use patchcord_ident::effect::Library;
-use patchcord_ident::problem::Problem;
+use patchcord_ident::effects::Library;
+use patchcord_ident::fit::fitted_model::Stage;
+use patchcord_ident::fit::problem::Problem;
+use patchcord_ident::localise::Whereabouts;
 use patchcord_ident::search::{Means, Verdict};
-use patchcord_ident::stage::Stage;
-use patchcord_ident::whereabouts::Whereabouts;
 
 /// Something that is hidden in a patch, and the records that it makes.
 pub struct Hidden {
@@ -72,7 +72,9 @@ impl Hidden {
     fn fitted(&self) -> (Problem, Stage) {
         let experiment = self.measured();
         let problem = Problem::of(&experiment).unwrap();
-        let stage = problem.base(&experiment.patch, &experiment.fit, 1).unwrap().unwrap();
+        let stage = patchcord_ident::fit::base_fit::fit_base(&problem, &experiment.patch, &experiment.fit, 1)
+            .unwrap()
+            .unwrap();
         (problem, stage)
     }
 
@@ -172,7 +174,7 @@ fn within_two_errors<const N: usize>(points: &[[f64; N]], truth: impl Fn(f64) ->
 #[ignore = "takes several seconds: a whole search"]
 fn a_flow_into_the_lower_tank_is_found_there_and_then() {
     let (problem, stage) = tanks(&["ku", "R1", "R2"]).fitted();
-    let found = problem.whereabouts(&stage, 2).unwrap();
+    let found = patchcord_ident::localise::localise(&problem, &stage, 2).unwrap();
     let junctions: Vec<&str> = found.iter().map(|own| own.junction.as_str()).collect();
     assert_eq!(junctions, ["I2", "I1"]);
     let [lower, upper] = [&found[0], &found[1]];
@@ -196,7 +198,7 @@ fn a_flow_into_the_lower_tank_is_found_there_and_then() {
 #[ignore = "takes several seconds: a whole search"]
 fn errors_are_as_large_as_what_is_recovered_is_off() {
     let (problem, stage) = tanks(&[]).fitted();
-    let found = problem.whereabouts(&stage, 2).unwrap();
+    let found = patchcord_ident::localise::localise(&problem, &stage, 2).unwrap();
     let points = &found[0].forces[0].points;
     assert_eq!(found[0].junction, "I2");
     // In units of the standard errors, squared: 1 by chance, less where nothing flows and the force is smoother than elsewhere.
@@ -210,7 +212,7 @@ fn errors_are_as_large_as_what_is_recovered_is_off() {
 #[ignore = "takes several seconds: a whole search"]
 fn a_hill_of_force_goes_with_position_and_becomes_a_function_generator() {
     let (problem, stage) = oscillator().fitted();
-    let found = problem.whereabouts(&stage, 1).unwrap();
+    let found = patchcord_ident::localise::localise(&problem, &stage, 1).unwrap();
     let found: &Whereabouts = &found[0];
     assert_eq!((found.junction.as_str(), found.best_against()), ("IV", "x"));
     let curve = &found.curves[found.best.unwrap()];
@@ -218,7 +220,9 @@ fn a_hill_of_force_goes_with_position_and_becomes_a_function_generator() {
         curve.points.iter().copied().filter(|point| (-0.05..0.1).contains(&point[0])).collect();
     assert!(within_two_errors(&around, hill) > 0.8, "{around:?}");
     assert_eq!(found.recovered.elements["E1.G1"].kind.name, "function-generator");
-    let with = problem.base(&found.recovered, &stage.version.fit, 1).unwrap().unwrap();
+    let with = patchcord_ident::fit::base_fit::fit_base(&problem, &found.recovered, &stage.version.fit, 1)
+        .unwrap()
+        .unwrap();
     let gaps = [&stage, &with].map(|stage| [stage.gap(), stage.test.over_noise()]);
     assert!(gaps[1][0] < 0.3 * gaps[0][0] && gaps[1][1] < 0.3 * gaps[0][1], "{gaps:?}");
     assert!(curve.held_out.unwrap() > 0.9, "{:?}", curve.held_out);
@@ -240,7 +244,7 @@ fn coulomb_friction_goes_with_velocity() {
         samples: 2400,
     };
     let (problem, stage) = hidden.fitted();
-    let found = problem.whereabouts(&stage, 2).unwrap();
+    let found = patchcord_ident::localise::localise(&problem, &stage, 2).unwrap();
     assert_eq!((found[0].junction.as_str(), found[0].best_against()), ("IV", "v"));
     let curve = &found[0].curves[found[0].best.unwrap()];
     assert!(
@@ -262,7 +266,7 @@ fn a_curve_that_leads_astray_is_found_through_ever_more_of_the_record() {
     };
     let (problem, stage) = pushed(spring, tones).fitted();
     assert!(stage.gap() > 10.0, "{}", stage.gap());
-    let found = problem.whereabouts(&stage, 2).unwrap();
+    let found = patchcord_ident::localise::localise(&problem, &stage, 2).unwrap();
     assert_eq!((found[0].junction.as_str(), found[0].best_against()), ("IV", "x"));
     let curve = &found[0].curves[found[0].best.unwrap()];
     assert!(
@@ -281,7 +285,9 @@ fn what_has_no_name_comes_with_its_force_whatever_the_threads() {
     let library = Library::default();
     let [one, two] = [1, 2].map(|threads| {
         let with = Means { library: &library, threads, seed: 1 };
-        problem.search(&hidden.patch(), &stage.version.fit, &with, |_| ()).unwrap().unwrap()
+        patchcord_ident::search::search(&problem, &hidden.patch(), &stage.version.fit, &with, |_| ())
+            .unwrap()
+            .unwrap()
     });
     assert_eq!(one.verdict, Verdict::UnknownEffect);
     let document = one.document(&problem);

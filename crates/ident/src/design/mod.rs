@@ -1,0 +1,4 @@
+//! Design of experiments: the weakest effects that data can show, and the experiment that discriminates between two.
+
+pub mod detectability;
+pub mod discriminating_experiment;

@@ -1,0 +1,34 @@
+//! Before and after.
+
+use crate::report::page::context::Told;
+use crate::report::page::sheet::{over_noise, parameters, table};
+use patchcord_analysis::instruments::number;
+use patchcord_draw::html::escaped;
+use patchcord_draw::plot::PlotError;
+
+pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
+    let (base, last) = (&told.outcome.base, told.outcome.told());
+    let mut text = "<section>\n<h2>Before and after</h2>\n".to_owned();
+    let rows = [("before", base), ("after", last)].map(|(what, stage)| {
+        let cells = [over_noise(&stage.train), over_noise(&stage.test), number(stage.colour)];
+        (false, [what.to_owned()].into_iter().chain(cells).collect())
+    });
+    text += &table(
+        &["gap over noise, rms", "training", "held back", "distance from white, in standard deviations"],
+        rows.into_iter(),
+    );
+    let fineness = &told.outcome.fineness;
+    let fine = fineness.is_enough().then(|| fineness.sentence());
+    let notes = fine.into_iter().chain(told.outcome.doubts(told.experiment));
+    text.extend(notes.map(|own| format!("<p>{}</p>\n", escaped(&own))));
+    if told.outcome.verdict.has_names() {
+        text += &parameters(told.outcome, last);
+        // After one round the same pictures stand there.
+        if told.outcome.rounds.iter().filter(|round| round.taken).count() > 1 {
+            text += &told.pictures(&[("before", base), ("after", last)])?;
+        }
+        text += "<p>The patch with what was missing is <a href=\"augmented.json\">augmented.json</a>: \
+                 <code>patchcord run augmented.json</code> runs it, <code>patchcord draw augmented.json --plot augmented.svg</code> draws it.</p>\n";
+    }
+    Ok(text + "</section>\n")
+}
