@@ -54,6 +54,54 @@ fn every_path_named_exists() {
     }
 }
 
+/// The Rust sources below a folder.
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// The path of a test module in a package, as `cargo test` filters by it: "cli::replay" for tests/cli/replay.rs.
+fn module(package: &Path, source: &Path) -> String {
+    let inside = source.strip_prefix(package).unwrap().with_extension("");
+    let parts = inside.iter().skip(1).map(|part| part.to_str().unwrap());
+    parts.collect::<Vec<_>>().join("::")
+}
+
+#[test]
+fn every_slow_test_is_listed() {
+    let page = fs::read_to_string("CONTRIBUTING.md").unwrap();
+    let listed: Vec<(&str, &str)> = page
+        .lines()
+        .filter_map(|line| {
+            line.strip_prefix("| `cargo test -p ")?.split('`').next()?.split_once(" -- --ignored ")
+        })
+        .collect();
+    let crates = fs::read_dir("crates").unwrap().map(|entry| entry.unwrap().path());
+    let mut slow = 0;
+    for package in crates.chain([PathBuf::from("")]) {
+        let name = package
+            .file_name()
+            .map_or("patchcord".to_owned(), |stem| format!("patchcord-{}", stem.to_str().unwrap()));
+        let mut found = Vec::new();
+        ["src", "tests"].iter().for_each(|folder| sources(&package.join(folder), &mut found));
+        let ignored = |path: &&PathBuf| fs::read_to_string(path).unwrap().contains(concat!("#[", "ignore"));
+        for source in found.iter().filter(ignored) {
+            let module = module(&package, source);
+            let is_listed = listed
+                .iter()
+                .any(|(of, filter)| *of == name && module.contains(filter.trim_end_matches("::")));
+            assert!(is_listed, "CONTRIBUTING.md does not list the slow tests of {name} {module}");
+            slow += 1;
+        }
+    }
+    assert!(slow > 20, "{slow}");
+}
+
 /// The fenced JSON blocks of a document.
 fn blocks(text: &str) -> impl Iterator<Item = &str> {
     text.split("```json\n").skip(1).filter_map(|rest| rest.split("```").next())
