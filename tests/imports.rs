@@ -6,6 +6,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::docs::sources;
+
 /// The crates; each may depend on those before it, except that the last two do not know each other.
 const CRATES: [&str; 6] = ["expr", "core", "analysis", "draw", "ident", "thesis"];
 const STRANGERS: [&str; 2] = ["ident", "thesis"];
@@ -48,17 +50,16 @@ const MODULES: [(&str, &[&str]); 6] = [
 /// The two halves of the thread pool import each other until a library replaces them.
 const TANGLED: [(&str, &str); 1] = [("pool", "spare")];
 
-/// Every source file below a folder, with the module at the top that it belongs to.
-fn sources(folder: &Path, top: Option<&str>, found: &mut Vec<(String, String)>) {
-    for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-        let stem = entry.file_stem().unwrap().to_str().unwrap().to_owned();
-        let top = top.unwrap_or(&stem).to_owned();
-        if entry.is_dir() {
-            sources(&entry, Some(&top), found);
-        } else if entry.extension().is_some_and(|ending| ending == "rs") && stem != "tests" {
-            found.push((top, code(&fs::read_to_string(entry).unwrap())));
-        }
-    }
+/// Every source file of a crate, with the module at the top that it belongs to.
+fn modules(folder: &Path) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    sources(folder, &mut found);
+    found.retain(|path| path.file_stem().is_some_and(|stem| stem != "tests"));
+    let module = |path: &Path| {
+        let top = path.strip_prefix(folder).unwrap().iter().next().unwrap();
+        Path::new(top).file_stem().unwrap().to_str().unwrap().to_owned()
+    };
+    found.iter().map(|path| (module(path), code(&fs::read_to_string(path).unwrap()))).collect()
 }
 
 /// A source without comments and unit tests.
@@ -77,8 +78,7 @@ fn imported(source: &str) -> BTreeSet<&str> {
 #[test]
 fn modules_import_only_those_before_them() {
     for (name, order) in MODULES {
-        let mut found = Vec::new();
-        sources(Path::new(&format!("crates/{name}/src")), None, &mut found);
+        let found = modules(Path::new(&format!("crates/{name}/src")));
         let place = |module: &str| order.iter().position(|known| *known == module);
         for (module, source) in found.iter().filter(|(module, _)| module != "lib") {
             let own = place(module).unwrap_or_else(|| panic!("{name}: where does {module} belong?"));
