@@ -1,6 +1,6 @@
 //! Dependencies point one way: between crates, and between the modules at the top of each crate.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -89,6 +89,63 @@ fn modules_import_only_those_before_them() {
             }
         }
     }
+}
+
+/// The types that a source imports from modules of its own crate, each with the module at the top that has it.
+fn imported_types(source: &str) -> BTreeMap<&str, &str> {
+    let is_apart = |letter: char| !letter.is_alphanumeric() && letter != '_';
+    let paths = source.split("use crate::").skip(1).filter_map(|rest| rest.split(';').next());
+    let types = paths.flat_map(|path| {
+        let mut words = path.split(is_apart);
+        let module = words.next().unwrap_or_default();
+        words.filter(|word| word.starts_with(char::is_uppercase)).map(move |word| (word, module))
+    });
+    types.collect()
+}
+
+/// The type that a line begins an implementation for, by its name.
+fn implemented(line: &str) -> Option<&str> {
+    let rest = line.strip_prefix("impl")?;
+    let own = rest.split_once(" for ").map_or_else(|| after_generics(rest), |(_, own)| own);
+    own.trim_start().split(|letter: char| !letter.is_alphanumeric() && letter != '_').next()
+}
+
+/// What comes after the parameters in angle brackets with which a text may begin.
+fn after_generics(text: &str) -> &str {
+    let mut depth = 0;
+    let end = text.char_indices().find(|(_, letter)| {
+        depth += match letter {
+            '<' => 1,
+            '>' => -1,
+            _ => 0,
+        };
+        depth == 0
+    });
+    end.map_or("", |(at, _)| text[at..].trim_start_matches('>'))
+}
+
+/// A method that a module adds to a type of another would hide that the other calls upwards.
+#[test]
+fn methods_belong_to_the_module_of_their_type() {
+    for (name, _) in MODULES.into_iter().filter(|(name, _)| *name == "ident") {
+        for (module, source) in modules(Path::new(&format!("crates/{name}/src"))) {
+            let types = imported_types(&source);
+            for own in source.lines().filter_map(implemented) {
+                let of = types.get(own).copied().unwrap_or(module.as_str());
+                assert!(of == module, "{name}: {module} must not add methods to {own}, a type of {of}");
+            }
+        }
+    }
+}
+
+#[test]
+fn implementations_are_recognised() {
+    assert_eq!(implemented("impl Outcome {"), Some("Outcome"));
+    assert_eq!(implemented("impl<'a> Task<'a> {"), Some("Task"));
+    assert_eq!(implemented("impl<T: Into<f64>> From<T> for Value {"), Some("Value"));
+    assert_eq!(implemented("    impl Outcome {"), None);
+    let source = "use crate::fit::model::{Knob, begun};\nuse crate::search::Outcome;\n";
+    assert_eq!(imported_types(source), BTreeMap::from([("Knob", "fit"), ("Outcome", "search")]));
 }
 
 #[test]

@@ -11,6 +11,7 @@ use patchcord::expr::Unit;
 use patchcord::ident::Experiment;
 use patchcord::ident::effects::Library;
 use patchcord::ident::fit::problem::Problem;
+use patchcord::ident::report::Report;
 use patchcord::ident::search::{Means, Outcome as Found, Verdict};
 
 /// How an answer stands to the truth.
@@ -98,7 +99,8 @@ impl Judged {
             patchcord::ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())?;
         let seconds = began.elapsed().as_secs_f64();
         let Some(found) = found else { return Err(format!("case {number} cannot be run").into()) };
-        let effects = found.document(&problem)["effects"].as_array().cloned().unwrap_or_default();
+        let report = Report::new(&experiment, &problem, &found);
+        let effects = report.json()["effects"].as_array().cloned().unwrap_or_default();
         let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
         let named: Vec<_> = effects.iter().map(|own| (text(&own["name"]), text(&own["junction"]))).collect();
         let steps = effects.chunk_by(|one, next| one["step"] == next["step"]);

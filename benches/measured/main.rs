@@ -13,6 +13,8 @@ use patchcord::ident::Experiment;
 use patchcord::ident::effects::Library;
 use patchcord::ident::fit::fitted_model::Stage;
 use patchcord::ident::fit::problem::Problem;
+use patchcord::ident::report::sentence::verdict_sentence;
+use patchcord::ident::report::values::assignment_text;
 use patchcord::ident::search::{Means, Outcome};
 use patchcord::output;
 
@@ -66,7 +68,7 @@ fn row(name: &str, path: &Path) -> Result<String, Box<dyn Error>> {
     let rejected = rejected(&found, |stage| told(&experiment, &problem, stage));
     Ok(format!(
         "| {name} | {} | {} | {before} | {after} | {rejected} | {seconds:.0} s |",
-        found.sentence(),
+        verdict_sentence(&found),
         values(&found)
     ))
 }
@@ -85,7 +87,7 @@ fn rejected(found: &Outcome, told: impl Fn(&Stage) -> String) -> String {
 /// What was fitted in the end.
 fn values(found: &Outcome) -> String {
     let stage = found.told();
-    let all = (0..stage.version.fit.len()).map(|place| stage.value_told(place));
+    let all = (0..stage.version.fit.len()).map(|place| assignment_text(stage, place));
     all.collect::<Vec<_>>().join(", ")
 }
 

@@ -10,7 +10,7 @@ use super::table::Table;
 use super::{say, say_json, tell};
 use patchcord::document::suggestion;
 use patchcord::ident::effects::{Effect, Library};
-use patchcord::ident::report::effect_page::Page;
+use patchcord::ident::report::effect_page::{Page, library_markdown};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -31,7 +31,7 @@ pub(super) fn effects(arguments: &Arguments) -> Result<(), Failure> {
     let library =
         known(arguments.effects.as_deref()).map_err(|failure| failure.told_as_json(arguments.json))?;
     if arguments.markdown {
-        return say(&library.markdown());
+        return say(&library_markdown(&library));
     }
     let found = match &arguments.name {
         None => library.iter().collect(),

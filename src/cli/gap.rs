@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::thread;
 
 use clap::Args;
+use serde_json::json;
 
 use super::failure::{Failure, tell_report};
 use super::files::check_not;
@@ -16,8 +17,8 @@ use patchcord::ident::design::detectability::Visible;
 use patchcord::ident::effects::Library;
 use patchcord::ident::effects::places::Places;
 use patchcord::ident::fit::problem::Problem;
-use patchcord::ident::report::document::asked;
-use patchcord::ident::report::page::Told;
+use patchcord::ident::report::Report;
+use patchcord::ident::report::document::ExperimentDocument;
 use patchcord::ident::search::progress::{Part, Progress};
 use patchcord::ident::search::{Means, Outcome};
 
@@ -64,20 +65,20 @@ fn carried_out(arguments: &Arguments) -> Result<(), Failure> {
     }
     let folder = arguments.out.as_deref().map(|folder| Folder::prepare(folder, &experiment)).transpose()?;
     let (problem, outcome) = searched(arguments, &experiment, &library)?;
-    let mut document = outcome.document(&problem);
-    document["doubts"] = outcome.doubts(&experiment).into();
-    document["experiment"] = asked(&experiment, &problem, arguments.seed);
-    let told = Told { experiment: &experiment, problem: &problem, outcome: &outcome, library: &library };
+    let report = Report::new(&experiment, &problem, &outcome);
+    let mut document = report.json();
+    document["doubts"] = report.doubts().into();
+    document["experiment"] = json!(ExperimentDocument::of(&experiment, &problem, arguments.seed));
     let done = match folder {
-        Some(folder) => folder.write(&told, &mut document).map(|done| format!("\n{done}")),
-        None => embed(&told, &mut document).map(|()| String::new()),
+        Some(folder) => folder.write(&report, &library, &mut document).map(|done| format!("\n{done}")),
+        None => embed(&report, &mut document).map(|()| String::new()),
     };
     // What a search of minutes found is told, whether or not there is room for its files.
     if arguments.json {
         say_json(&document)?;
         return done.map(|_| ());
     }
-    say(&gap_report::told(&experiment, &problem, &outcome))?;
+    say(&gap_report::told(&report))?;
     say(&done?)
 }
 

@@ -9,7 +9,9 @@ use super::table::Table;
 use patchcord::ident::design::detectability::{Limit, Visible};
 use patchcord::ident::effects::Library;
 use patchcord::ident::effects::places::Places;
-use patchcord::ident::fit::extended_model::LeftOut;
+use patchcord::ident::report::detection_limits::{DetectionLimitDocument, needs_text};
+use patchcord::ident::report::places::{nameless_sentences, nowhere_sentence};
+use patchcord::ident::report::rounds::{SkippedTrialDocument, skipped_trial_sentence};
 use patchcord::ident::{Column, Experiment, Noise, NoiseKind, Record, SHARES, columns};
 use patchcord::instruments::{Display, number};
 
@@ -41,7 +43,7 @@ pub(super) fn told(experiment: &Experiment, places: &Places) -> String {
 /// From which strength on the data could show effects.
 pub(super) fn shows(visible: &Visible, experiment: &Experiment, library: &Library) -> String {
     let Visible { leaves, limits, left_out } = visible;
-    let mut text: String = left_out.iter().map(|own| own.sentence() + "\n").collect();
+    let mut text: String = left_out.iter().map(|own| skipped_trial_sentence(own) + "\n").collect();
     if limits.is_empty() {
         return text;
     }
@@ -54,7 +56,7 @@ pub(super) fn shows(visible: &Visible, experiment: &Experiment, library: &Librar
     let mut blind: Vec<&Limit> = limits.iter().filter(|own| !own.is_seen()).collect();
     blind.dedup_by_key(|own| own.named());
     let blind = blind.into_iter().map(|own| {
-        format!("No strength in its range would show of {}{}.\n", own.named(), own.needs(library))
+        format!("No strength in its range would show of {}{}.\n", own.named(), needs_text(own, library))
     });
     let blind: String = blind.collect();
     if blind.is_empty() { text } else { text + "\n" + &blind }
@@ -79,7 +81,7 @@ fn tried(places: &Places) -> String {
     let told =
         |(place, effects): (&str, Vec<&str>)| format!("would be tried at {place}: {}\n", effects.join(", "));
     let mut text: String = at.into_iter().map(told).collect();
-    let told = places.nowhere_told().into_iter().chain(places.nameless_told());
+    let told = nowhere_sentence(places).into_iter().chain(nameless_sentences(places));
     text.extend(told.map(|own| own + "\n"));
     text
 }
@@ -185,6 +187,8 @@ fn noise_note(column: &str, noise: &Noise) -> Option<String> {
 
 pub(super) fn document(experiment: &Experiment, places: &Places, visible: &Visible) -> Value {
     let effects = places.effects.iter().map(|(name, at)| json!({"name": name, "junctions": at}));
+    let limits = visible.limits.iter().map(DetectionLimitDocument::from);
+    let left_out = visible.left_out.iter().map(|own| SkippedTrialDocument::of(own, None));
     json!({
         "ok": true,
         "experiment": experiment.file,
@@ -197,8 +201,8 @@ pub(super) fn document(experiment: &Experiment, places: &Places, visible: &Visib
         "nowhere": places.nowhere(),
         "nameless": places.nameless,
         "leaves": visible.leaves,
-        "limits": visible.limits.iter().map(Limit::document).collect::<Value>(),
-        "left_out": visible.left_out.iter().map(LeftOut::document).collect::<Value>(),
+        "limits": limits.collect::<Vec<_>>(),
+        "left_out": left_out.collect::<Vec<_>>(),
     })
 }
 

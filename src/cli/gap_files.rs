@@ -7,8 +7,8 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use super::files::{check_not, prepare, put, unwritable};
-use patchcord::ident::report::page;
-use patchcord::ident::report::page::Told;
+use patchcord::ident::effects::Library;
+use patchcord::ident::report::Report;
 use patchcord::ident::{Experiment, table_files};
 use patchcord::patch::Patch;
 
@@ -68,8 +68,12 @@ impl<'f> Folder<'f> {
 
     /// Writes them, and puts into the document where they are. What an earlier search left that this one has nothing of
     /// goes: it would be taken for what this one found. Gives back what was done, a line each.
-    pub fn write(&self, told: &Told<'_>, document: &mut Value) -> Result<String, Failure> {
-        let (outcome, experiment) = (told.outcome, told.experiment);
+    pub fn write(
+        &self,
+        report: &Report<'_>,
+        library: &Library,
+        document: &mut Value,
+    ) -> Result<String, Failure> {
         let mut done = String::new();
         let mut left = |file: &str, text: Option<&str>| {
             let path = self.folder.join(file);
@@ -79,11 +83,10 @@ impl<'f> Folder<'f> {
             };
             Ok::<_, Failure>(text.map_or(Value::Null, |_| path.display().to_string().into()))
         };
-        let page = page::page(told).map_err(|error| Failure::data(error.to_string()))?;
+        let page = report.page(library).map_err(|error| Failure::data(error.to_string()))?;
         let name = |file: &str| self.folder.join(file).display().to_string();
-        put_patches(told, document, name, |file, patch| left(file, patch.map(Patch::text)))?;
-        let separate = outcome.separating.as_ref().map(|own| own.csv(&experiment.outputs));
-        let separate = left(SEPARATE, separate.as_deref())?;
+        put_patches(report, document, name, |file, patch| left(file, patch.map(Patch::text)))?;
+        let separate = left(SEPARATE, report.discriminating_csv().as_deref())?;
         if !separate.is_null() {
             document["separate"]["data"] = separate;
         }
@@ -94,22 +97,21 @@ impl<'f> Folder<'f> {
 }
 
 /// Puts the patches themselves into the document of a search whose files are not asked for.
-pub(super) fn embed(told: &Told<'_>, document: &mut Value) -> Result<(), Failure> {
+pub(super) fn embed(report: &Report<'_>, document: &mut Value) -> Result<(), Failure> {
     let itself = |patch: Option<&Patch>| patch.map_or(Value::Null, |patch| patch.value().clone());
-    put_patches(told, document, str::to_owned, |_, patch| Ok(itself(patch)))
+    put_patches(report, document, str::to_owned, |_, patch| Ok(itself(patch)))
 }
 
 /// Puts into the document what stands for each patch of a search; `name` is that of its file.
 fn put_patches(
-    told: &Told<'_>,
+    report: &Report<'_>,
     document: &mut Value,
     name: impl Fn(&str) -> String,
     mut what: impl FnMut(&str, Option<&Patch>) -> Result<Value, Failure>,
 ) -> Result<(), Failure> {
-    let Told { outcome, experiment, .. } = told;
-    let augmented = what(AUGMENTED, outcome.augmented(experiment, &name(AUGMENTED))?.as_ref())?;
-    let fitted = what(FITTED, Some(&outcome.fitted(experiment, &name(FITTED))?))?;
-    let recovered = what(RECOVERED, outcome.recovered(experiment, &name(RECOVERED))?.as_ref())?;
+    let augmented = what(AUGMENTED, report.augmented(&name(AUGMENTED))?.as_ref())?;
+    let fitted = what(FITTED, Some(&report.fitted(&name(FITTED))?))?;
+    let recovered = what(RECOVERED, report.recovered(&name(RECOVERED))?.as_ref())?;
     document["patch"] = if augmented.is_null() { fitted.clone() } else { augmented };
     document["fitted"] = fitted;
     document["recovered"] = recovered;

@@ -1,11 +1,19 @@
 //! What a search found, in words.
 
 use super::table::Table;
-use patchcord::ident::Experiment;
 use patchcord::ident::design::detectability::{Limit, best_places};
 use patchcord::ident::fit::problem::Problem;
-use patchcord::ident::localise as whereabouts;
 use patchcord::ident::localise::Whereabouts;
+use patchcord::ident::report::Report;
+use patchcord::ident::report::detection_limits::limit_text;
+use patchcord::ident::report::fit_quality::starts_sentence;
+use patchcord::ident::report::localisation::localisation_sentence;
+use patchcord::ident::report::places::nowhere_sentence;
+use patchcord::ident::report::rounds::{round_sentence, skipped_trial_sentence, trial_count_text};
+use patchcord::ident::report::search_log::action_text;
+use patchcord::ident::report::values::{
+    error_text, estimate_text, interval_text, owner, parameter_values_text, undetermined_sentence,
+};
 use patchcord::ident::search::round::{Round, Trial};
 use patchcord::ident::search::{Outcome, Verdict};
 use patchcord::instruments::number;
@@ -13,14 +21,15 @@ use patchcord::instruments::number;
 /// So many trials are told of every round.
 const TOLD: usize = 8;
 
-pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome) -> String {
-    let mut text = format!("{}: {}\n", experiment.file, outcome.sentence());
+pub(super) fn told(report: &Report<'_>) -> String {
+    let Report { experiment, problem, outcome } = *report;
+    let mut text = format!("{}: {}\n", experiment.file, report.sentence());
     text += &format!("\n{}", parameters(outcome).text());
-    text.extend(outcome.told().untold().map(|own| format!("{own}\n")));
+    text.extend(undetermined_sentence(outcome.told()).map(|own| format!("{own}\n")));
     text += &format!("\n{}", gaps(problem, outcome).text());
-    text.extend(outcome.doubts(experiment).into_iter().map(|own| own + "\n"));
+    text.extend(report.doubts().into_iter().map(|own| own + "\n"));
     if !outcome.agreement.is_same {
-        text += &format!("\nbefore: {}\n", outcome.agreement.sentence());
+        text += &format!("\nbefore: {}\n", starts_sentence(&outcome.agreement));
     }
     text += &way(outcome);
     text += &place(&outcome.whereabouts);
@@ -33,9 +42,9 @@ pub(super) fn told(experiment: &Experiment, problem: &Problem, outcome: &Outcome
     }
     for (number, round) in outcome.rounds.iter().enumerate() {
         text += &format!("\n{}\n\n{}", heading(number + 1, round, outcome), trials(round));
-        text.extend(round.left_out.iter().map(|own| format!("{}\n", own.sentence())));
+        text.extend(round.left_out.iter().map(|own| format!("{}\n", skipped_trial_sentence(own))));
     }
-    text.extend(outcome.places.nowhere_told().map(|own| format!("\n{own}\n")));
+    text.extend(nowhere_sentence(&outcome.places).map(|own| format!("\n{own}\n")));
     text
 }
 
@@ -43,9 +52,9 @@ fn parameters(outcome: &Outcome) -> Table {
     let stage = outcome.told();
     let mut table = Table::new(["fitted", "value", "standard error", "95 %", "unit", "of"]);
     for (place, name) in stage.version.fit.iter().enumerate() {
-        let value = stage.number_told(place);
-        let (error, interval) = (stage.error_told(place), stage.interval_told(place));
-        table.row([name.clone(), value, error, interval, stage.unit(place).to_owned(), outcome.owner(name)]);
+        let value = estimate_text(stage, place);
+        let (error, interval) = (error_text(stage, place), interval_text(stage.known(place)));
+        table.row([name.clone(), value, error, interval, stage.unit(place).to_owned(), owner(outcome, name)]);
     }
     table
 }
@@ -68,14 +77,14 @@ fn way(outcome: &Outcome) -> String {
     let mut table = Table::new(["the way there", "train", "test"]);
     for change in &outcome.way {
         let [train, test] = change.left.map(number);
-        table.row([change.did.clone(), train, test]);
+        table.row([action_text(&change.did), train, test]);
     }
     format!("\n{}", table.text())
 }
 
 /// Where and when something is missing.
 fn place(found: &[Whereabouts]) -> String {
-    let Some(sentence) = whereabouts::sentence(found) else { return String::new() };
+    let Some(sentence) = localisation_sentence(found) else { return String::new() };
     let mut text = format!("\nfound without the library: {sentence}\n\n");
     let mut table = Table::new(["at", "unit", "closes of the gap over time", "evidence", "goes with"]);
     for own in found {
@@ -98,15 +107,15 @@ fn goes_with(own: &Whereabouts) -> String {
 pub(super) fn weakest(found: &[Limit], heading: &str) -> String {
     let mut table = Table::new(["effect", "at", "parameter", heading, "with"]);
     for limit in best_places(found) {
-        let from = limit.told().unwrap_or_else(|| "not at all".to_owned());
+        let from = limit_text(limit).unwrap_or_else(|| "not at all".to_owned());
         let (effect, at, parameter) = (limit.effect.clone(), limit.junction.clone(), limit.parameter.clone());
-        table.row([effect, at, parameter, from, limit.beside.told()]);
+        table.row([effect, at, parameter, from, parameter_values_text(&limit.beside)]);
     }
     table.text()
 }
 
 fn heading(place: usize, round: &Round, outcome: &Outcome) -> String {
-    format!("round {place}: {}. {}", round.tried_told(), outcome.round_told(round))
+    format!("round {place}: {}. {}", trial_count_text(round), round_sentence(outcome, round))
 }
 
 /// The best trials, every effect once at every place, and how many more there are.

@@ -4,7 +4,7 @@
 //! together: columns of CSV files in the units of the patch, evenly sampled, cut into a part to fit to and a part to test on.
 //! What a patch may lack stands in a [`Library`](effects::Library); [`effects::sites`] finds where there is room for it, [`effects::graft`] wires it
 //! in, [`fit::model`] runs the patch beside the records, [`fit`] turns its parameters, and [`search`] does all that for every
-//! effect and judges what came of it.
+//! effect and judges what came of it. All sentences and documents about that are made in [`report`]: nothing below knows it.
 
 mod data;
 pub mod design;

@@ -6,9 +6,15 @@ use serde_json::{Value, json};
 
 use super::library;
 use super::oscillator::{INTERVAL, measured};
+use super::search::document;
 use patchcord_core::patch::Patch;
 use patchcord_ident::design::detectability::{Limit, best_places};
 use patchcord_ident::fit::problem::Problem;
+use patchcord_ident::report::detection_limits::limit_text;
+use patchcord_ident::report::doubts::doubts;
+use patchcord_ident::report::places::nowhere_sentence;
+use patchcord_ident::report::sentence::verdict_sentence;
+use patchcord_ident::report::values::undetermined_sentence;
 use patchcord_ident::search::inconclusive::Blind;
 use patchcord_ident::search::{Means, Outcome, Verdict};
 use patchcord_ident::{Experiment, Record};
@@ -66,7 +72,7 @@ fn a_force_above_its_limit_is_found_and_one_below_it_is_not() {
 fn what_would_have_shown_is_told() {
     let (experiment, problem) = nothing();
     let found = searched(&experiment, &problem);
-    let document = found.document(&problem);
+    let document = document(&problem, &found);
     let told: Vec<&Value> = document["limits"].as_array().unwrap().iter().collect();
     let of = |parameter: &str| *told.iter().find(|own| own["parameter"] == parameter).unwrap();
     assert_eq!(of("Fc")["unit"], "N");
@@ -76,13 +82,13 @@ fn what_would_have_shown_is_told() {
     let stop = of("xs")["value"].as_f64().unwrap();
     assert!((0.5 * farthest..farthest).contains(&stop), "{stop} {farthest}");
     assert_eq!(of("xs")["with"]["k"]["unit"], "N/m");
-    let sentence = found.sentence();
+    let sentence = verdict_sentence(&found);
     assert!(
         sentence.starts_with("nothing is missing that these data would show; the weakest "),
         "{sentence}"
     );
     let told = best_places(&found.limits)[0];
-    let value = format!(" that would have shown has {} = {}", told.parameter, told.told().unwrap());
+    let value = format!(" that would have shown has {} = {}", told.parameter, limit_text(told).unwrap());
     assert!(sentence.ends_with(&value), "{sentence}");
 }
 
@@ -105,7 +111,7 @@ fn noise_that_is_told_too_small_or_too_large_is_said() {
         problem.sigma[0] *= times;
         experiment.outputs[0].sigma = Some(problem.sigma[0]);
         let found = searched_for(&["constant-bias"], &experiment, &problem);
-        (found.verdict, found.sentence(), found.doubts(&experiment))
+        (found.verdict, verdict_sentence(&found), doubts(&found, &experiment))
     };
     let (verdict, _, doubts) = told(1.0);
     assert_eq!((verdict, doubts), (Verdict::NothingMissing, Vec::new()));
@@ -130,7 +136,7 @@ fn what_holds_in_training_only_cannot_be_judged_or_is_doubted() {
         each(&mut problem.train, 0.0);
         each(&mut problem.test, by);
         let found = searched_for(&["constant-bias"], &experiment, &problem);
-        (found.verdict, found.sentence(), found.doubts(&experiment))
+        (found.verdict, verdict_sentence(&found), doubts(&found, &experiment))
     };
     for sigmas in [0.7, 3.0] {
         let (verdict, sentence, doubts) = shaken(sigmas, 0.0);
@@ -149,7 +155,7 @@ fn an_integrator_that_gives_no_signal_is_told() {
     document["signals"].as_object_mut().unwrap().retain(|name, _| name == "x");
     experiment.patch = Patch::parse("nameless.json", &document.to_string()).unwrap();
     let found = searched_for(&["constant-bias"], &experiment, &problem);
-    let doubts = found.doubts(&experiment);
+    let doubts = doubts(&found, &experiment);
     let is_told =
         |own: &String| own.starts_with("IV gives no signal with a scale, so that nothing is tried there");
     assert!(doubts.iter().any(is_told), "{doubts:?}");
@@ -160,8 +166,8 @@ fn where_no_effect_has_a_place_nothing_can_be_judged() {
     let (experiment, problem) = nothing();
     let found = searched_for(&["overflow"], &experiment, &problem);
     assert_eq!((found.verdict, &found.blind), (Verdict::CannotJudge, &Some(Blind::Nowhere)));
-    assert_eq!(found.places.nowhere_told().unwrap(), "The patch has no place for overflow.");
-    assert_eq!(found.document(&problem)["nowhere"], json!(["overflow"]));
+    assert_eq!(nowhere_sentence(&found.places).unwrap(), "The patch has no place for overflow.");
+    assert_eq!(document(&problem, &found)["nowhere"], json!(["overflow"]));
 }
 
 /// So many samples of an oscillator that swings so far while a force so large is told.
@@ -177,7 +183,7 @@ fn what_stands_still_cannot_be_judged() {
     let (experiment, problem) = swinging(600, 1e-6, 0.0);
     let found = searched(&experiment, &problem);
     assert_eq!((found.verdict, &found.blind), (Verdict::CannotJudge, &Some(Blind::Still)));
-    assert_eq!(found.sentence(), "these data cannot judge: nothing moves in them beyond the noise");
+    assert_eq!(verdict_sentence(&found), "these data cannot judge: nothing moves in them beyond the noise");
 }
 
 #[test]
@@ -190,7 +196,7 @@ fn a_few_samples_cannot_be_judged() {
         "{:?}",
         found.limits
     );
-    assert!(found.document(&problem)["limits"].as_array().unwrap().iter().all(|own| own["seen"] == false));
+    assert!(document(&problem, &found)["limits"].as_array().unwrap().iter().all(|own| own["seen"] == false));
 }
 
 /// A free swing tells of the shares of stiffness and damping in the mass, and a force of the mass.
@@ -207,7 +213,7 @@ fn what_can_be_changed_together_is_told() {
         let base = patchcord_ident::fit::base_fit::fit_base(&problem, &experiment.patch, &experiment.fit, 1)
             .unwrap()
             .unwrap();
-        patchcord_ident::fit::intervals::with_errors(&problem, base).unwrap().untold()
+        undetermined_sentence(&patchcord_ident::fit::intervals::with_errors(&problem, base).unwrap())
     };
     let told = untold(1e-9).unwrap();
     assert!(told.starts_with("These data do not tell M, k, c: their values"), "{told}");

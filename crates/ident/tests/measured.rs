@@ -16,6 +16,7 @@ use patchcord_core::patch::Patch;
 use patchcord_core::solve::{self, RunSettings};
 use patchcord_ident::Experiment;
 use patchcord_ident::fit::problem::Problem;
+use patchcord_ident::report::sentence::verdict_sentence;
 use patchcord_ident::search::{Means, Outcome, Verdict};
 
 const FOLDER: &str = "../../patches/measured";
@@ -223,7 +224,7 @@ fn searched(name: &str, effects: &[&str]) -> Option<(Experiment, Problem, Outcom
 fn friction_of_the_slide_differs_by_direction_and_does_not_fall() {
     let effects = ["asymmetric-viscous-friction", "stribeck-friction", "saturation"];
     let Some((experiment, _, found)) = searched("emps-friction", &effects) else { return };
-    let sentence = found.sentence();
+    let sentence = verdict_sentence(&found);
     assert!(sentence.starts_with("asymmetric-viscous-friction at IV is missing"), "{sentence}");
     let stage = found.told();
     let knobs = (stage.version.fit.as_slice(), stage.train.point.knobs.as_slice());
@@ -238,7 +239,7 @@ fn friction_of_the_slide_differs_by_direction_and_does_not_fall() {
 fn the_tanks_overflow_and_nothing_saturates() {
     let Some((_, problem, found)) = searched("cascaded-tanks", &["overflow", "saturation"]) else { return };
     assert_eq!(found.verdict, Verdict::Named);
-    assert!(found.effects.iter().all(|effect| effect.effect == "overflow"), "{}", found.sentence());
+    assert!(found.effects.iter().all(|effect| effect.effect == "overflow"), "{}", verdict_sentence(&found));
     let error = found.told().test.over_noise() * problem.sigma[0];
     assert!(error < 0.28, "{error} V");
 }

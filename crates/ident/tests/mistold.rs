@@ -2,6 +2,7 @@
 
 use super::search::spoilt;
 use patchcord_ident::Experiment;
+use patchcord_ident::report::sentence::verdict_sentence;
 use patchcord_ident::residuals::misspecification::{Mistold, Otherwise};
 use patchcord_ident::search::inconclusive::Blind;
 use patchcord_ident::search::{Outcome, Verdict};
@@ -28,7 +29,10 @@ fn mistold(found: &Outcome, near: f64) -> &Mistold {
 fn no_effect_is_named_for_a_sign() {
     let found = scaled("nothing", -1.0);
     assert_eq!(mistold(&found, 0.05).otherwise, Otherwise::Turned(vec!["x".to_owned()]));
-    assert!(found.sentence().starts_with("these data cannot judge: with x turned round the patch leaves "));
+    assert!(
+        verdict_sentence(&found)
+            .starts_with("these data cannot judge: with x turned round the patch leaves ")
+    );
     // With an effect missing, too, the sign comes first.
     assert!(matches!(scaled("relay", -1.0).blind, Some(Blind::Mistold(_))));
 }
@@ -40,8 +44,12 @@ fn no_effect_is_named_for_a_unit() {
         let found = scaled("nothing", factor);
         mistold(&found, 0.05);
         let begins = format!("these data cannot judge: with {told} the patch leaves ");
-        assert!(found.sentence().starts_with(&begins), "{}", found.sentence());
-        assert!(found.sentence().contains("look at the units of columns and drives"), "{}", found.sentence());
+        assert!(verdict_sentence(&found).starts_with(&begins), "{}", verdict_sentence(&found));
+        assert!(
+            verdict_sentence(&found).contains("look at the units of columns and drives"),
+            "{}",
+            verdict_sentence(&found)
+        );
     }
 }
 
@@ -53,7 +61,7 @@ fn the_output_in_another_unit_is_told_beside_one_that_is_right() {
         records.flat_map(|record| &mut record.outputs[1]).for_each(|value| *value *= 1e3);
         experiment.outputs[1].sigma = experiment.outputs[1].sigma.map(|sigma| 1e3 * sigma);
     });
-    let Some(Blind::Mistold(own)) = &found.blind else { panic!("{}", found.sentence()) };
+    let Some(Blind::Mistold(own)) = &found.blind else { panic!("{}", verdict_sentence(&found)) };
     assert_eq!(own.otherwise, Otherwise::Thousandth(vec!["h2".to_owned()]));
 }
 
@@ -81,7 +89,7 @@ fn no_effect_is_named_for_times_in_another_unit() {
     });
     // Three standard errors of 400 samples.
     assert_eq!(mistold(&found, 0.1).otherwise, Otherwise::ThousandthOfTimes);
-    assert!(found.sentence().ends_with(
+    assert!(verdict_sentence(&found).ends_with(
         "look at the unit of \"time\", which is s where none is told, and at what makes the patch quick or slow: jacks of integrators, units of parameters"
     ));
 }

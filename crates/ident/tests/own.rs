@@ -4,7 +4,9 @@ use std::fs;
 
 use super::integrated::integrated;
 use super::oscillator::{INTERVAL, measured};
+use super::search::document;
 use patchcord_ident::effects::Library;
+use patchcord_ident::report::sentence::verdict_sentence;
 use patchcord_ident::search::Means;
 
 /// Where a mass of 3 kg stands on a spring of 500 N/m, with damping of 5 N s/m and a pull of k2 x^2, under a force that goes
@@ -34,8 +36,8 @@ fn the_effect_of_the_page_is_added_as_a_file_and_found() {
     let found = patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())
         .unwrap()
         .unwrap();
-    assert_eq!(found.sentence(), "square-stiffness at IV is missing");
-    let told = &found.document(&problem)["effects"][0]["parameters"]["k2"];
+    assert_eq!(verdict_sentence(&found), "square-stiffness at IV is missing");
+    let told = &document(&problem, &found)["effects"][0]["parameters"]["k2"];
     assert_eq!(told["unit"], "N/m2");
     assert!((told["value"].as_f64().unwrap() / k2 - 1.0).abs() < 0.03, "{told}");
 }

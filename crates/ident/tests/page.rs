@@ -6,7 +6,7 @@ use crate::r#where::oscillator;
 use patchcord_ident::Experiment;
 use patchcord_ident::effects::Library;
 use patchcord_ident::fit::problem::Problem;
-use patchcord_ident::report::page::{Told, page};
+use patchcord_ident::report::Report;
 use patchcord_ident::search::{Means, Outcome};
 
 /// The section of a page under a heading.
@@ -31,8 +31,7 @@ pub static HILL: LazyLock<(Experiment, Problem, Outcome)> = LazyLock::new(|| {
 #[ignore = "takes several seconds: a whole search"]
 fn where_and_when_stands_on_the_page_with_every_point_of_it() {
     let (experiment, problem, outcome) = &*HILL;
-    let told = Told { experiment, problem, outcome, library: &Library::default() };
-    let page = page(&told).unwrap();
+    let page = Report::new(experiment, problem, outcome).page(&Library::default()).unwrap();
     let section = section(&page, "Where and when something is missing").unwrap();
     let best = &outcome.whereabouts[0];
     assert!(

@@ -14,6 +14,8 @@ use patchcord_core::patch::{Edit, Patch};
 use patchcord_core::solve::{self, RunSettings};
 use patchcord_ident::Experiment;
 use patchcord_ident::fit::problem::Problem;
+use patchcord_ident::report::Report;
+use patchcord_ident::report::provenance::fitted_patch;
 use patchcord_ident::search::Outcome;
 
 /// What a patch leaves of the first training record when it is run as it stands, fed with the data: rms over the noise.
@@ -55,8 +57,9 @@ fn note(patch: &Patch) -> &str {
 #[ignore = "takes several seconds: a whole search"]
 fn an_augmented_patch_runs_as_the_data_do_and_says_why() {
     let (experiment, problem, found, _) = &*BIAS;
-    let fitted = found.fitted(experiment, "fitted.json").unwrap();
-    let augmented = found.augmented(experiment, "augmented.json").unwrap().unwrap();
+    let report = Report::new(experiment, problem, found);
+    let fitted = report.fitted("fitted.json").unwrap();
+    let augmented = report.augmented("augmented.json").unwrap().unwrap();
     let [before, after] = [&fitted, &augmented].map(|own| left(own.clone(), experiment, &problem.sigma));
     let [wanted_before, wanted_after] = [&found.base, found.told()].map(|stage| stage.train.over_noise());
     assert!((before / wanted_before - 1.0).abs() < 0.01, "{before} {wanted_before}");
@@ -66,15 +69,16 @@ fn an_augmented_patch_runs_as_the_data_do_and_says_why() {
         assert!(told.contains(part), "{part}: {told}");
     }
     assert!(note(&fitted).contains("train.csv") && !note(&fitted).contains("95 %"));
-    assert!(found.recovered(experiment, "recovered.json").unwrap().is_none());
+    assert!(report.recovered("recovered.json").unwrap().is_none());
 }
 
 #[test]
 #[ignore = "takes several seconds: a whole search"]
 fn a_recovered_patch_runs_as_the_data_do_and_nothing_is_augmented() {
     let (experiment, problem, found) = &*HILL;
-    assert!(found.augmented(experiment, "augmented.json").unwrap().is_none());
-    let recovered = found.recovered(experiment, "recovered.json").unwrap().unwrap();
+    let report = Report::new(experiment, problem, found);
+    assert!(report.augmented("augmented.json").unwrap().is_none());
+    let recovered = report.recovered("recovered.json").unwrap().unwrap();
     let after = left(recovered.clone(), experiment, &problem.sigma);
     assert!(after < 0.3 * found.base.train.over_noise(), "{after}");
     assert!(note(&recovered).contains("a function of x"), "{}", note(&recovered));
@@ -95,7 +99,7 @@ fn tables_in_files_are_found_from_where_the_patch_goes() {
     experiment.patch = experiment.patch.edited(&at("base.json"), &[edit]).unwrap();
     found.base.version.patch = experiment.patch.clone();
     let file = at("found/fitted.json");
-    let fitted = found.fitted(&experiment, &file).unwrap();
+    let fitted = fitted_patch(&found, &experiment, &file).unwrap();
     assert_eq!(fitted.value()["drives"][drive]["points"]["csv"], "../pump.csv");
     Circuit::new(&fitted, &[]).unwrap_or_else(|report| panic!("{report}"));
 }

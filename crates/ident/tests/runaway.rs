@@ -5,6 +5,7 @@ use serde_json::json;
 use super::noise::white;
 use super::search::spoilt;
 use patchcord_core::patch::Edit;
+use patchcord_ident::report::sentence::verdict_sentence;
 use patchcord_ident::search::inconclusive::Blind;
 use patchcord_ident::search::{Outcome, Verdict};
 
@@ -29,10 +30,18 @@ fn pushed(noise: f64) -> Outcome {
 fn no_effect_is_sought_where_a_spring_has_the_wrong_sign() {
     for noise in [0.0, 0.05] {
         let found = pushed(noise);
-        let Some(Blind::Runaway(own)) = &found.blind else { panic!("{}", found.sentence()) };
+        let Some(Blind::Runaway(own)) = &found.blind else { panic!("{}", verdict_sentence(&found)) };
         assert_eq!((found.verdict, own.output.as_str()), (Verdict::CannotJudge, "x"));
         assert!(found.rounds.is_empty() && found.effects.is_empty());
-        assert!(found.sentence().contains("the patch runs away: it leaves "), "{}", found.sentence());
-        assert!(found.sentence().contains("look at the signs in its loops"), "{}", found.sentence());
+        assert!(
+            verdict_sentence(&found).contains("the patch runs away: it leaves "),
+            "{}",
+            verdict_sentence(&found)
+        );
+        assert!(
+            verdict_sentence(&found).contains("look at the signs in its loops"),
+            "{}",
+            verdict_sentence(&found)
+        );
     }
 }

@@ -12,6 +12,13 @@ use patchcord_ident::Experiment;
 use patchcord_ident::effects::Library;
 use patchcord_ident::effects::candidate::Candidate;
 use patchcord_ident::fit::problem::Problem;
+use patchcord_ident::report::Report;
+use patchcord_ident::report::document::SearchDocument;
+use patchcord_ident::report::doubts::doubts;
+use patchcord_ident::report::fit_quality::starts_sentence;
+use patchcord_ident::report::provenance::augmented_patch;
+use patchcord_ident::report::rounds::round_sentence;
+use patchcord_ident::report::sentence::verdict_sentence;
 use patchcord_ident::search::{Means, Outcome, Verdict};
 
 fn read(path: &Path) -> Experiment {
@@ -24,6 +31,11 @@ pub fn outcome(experiment: &Experiment, problem: &Problem, threads: usize) -> Ou
     patchcord_ident::search::search(problem, &experiment.patch, &experiment.fit, &with, |_| ())
         .unwrap()
         .unwrap()
+}
+
+/// What a search found, as a JSON value.
+pub fn document(problem: &Problem, found: &Outcome) -> Value {
+    json!(SearchDocument::of(problem, found))
 }
 
 /// The search of a case whose experiment something was done to, on two threads.
@@ -63,8 +75,8 @@ fn one_effect_is_named_among_its_rivals() {
         ("friction", ["coulomb-friction", "viscous-friction", "constant-bias", "cubic-stiffness"]),
     ] {
         let (problem, found, truth) = searched_among(case, &effects);
-        assert_eq!(found.verdict, Verdict::Named, "{}", found.sentence());
-        assert_eq!(places(&found.document(&problem)["effects"]), places(&truth["effects"]));
+        assert_eq!(found.verdict, Verdict::Named, "{}", verdict_sentence(&found));
+        assert_eq!(places(&document(&problem, &found)["effects"]), places(&truth["effects"]));
     }
 }
 
@@ -72,27 +84,28 @@ fn one_effect_is_named_among_its_rivals() {
 fn two_effects_are_named_among_their_rivals() {
     let (problem, found, truth) =
         searched_among("pair", &["leak", "saturation", "constant-bias", "quadratic-drag"]);
-    assert_eq!(found.verdict, Verdict::Named, "{}", found.sentence());
-    assert_eq!(places(&found.document(&problem)["effects"]), places(&truth["effects"]));
+    assert_eq!(found.verdict, Verdict::Named, "{}", verdict_sentence(&found));
+    assert_eq!(places(&document(&problem, &found)["effects"]), places(&truth["effects"]));
 }
 
 #[test]
 fn an_unknown_effect_gets_no_name_of_a_few() {
     let (_, found, _) = searched_among("relay", &["coulomb-friction", "constant-bias", "saturation"]);
-    assert_eq!(found.verdict, Verdict::UnknownEffect, "{}", found.sentence());
+    assert_eq!(found.verdict, Verdict::UnknownEffect, "{}", verdict_sentence(&found));
 }
 
 #[test]
 fn no_effect_of_a_few_is_named_if_nothing_is_missing() {
     let (_, found, _) = searched_among("nothing", &["coulomb-friction", "cubic-stiffness", "constant-bias"]);
-    assert_eq!(found.verdict, Verdict::NothingMissing, "{}", found.sentence());
+    assert_eq!(found.verdict, Verdict::NothingMissing, "{}", verdict_sentence(&found));
 }
 
 /// Holds a search that has to name one effect against the truth; the interval of its parameter may be so wide, by the value hidden.
 fn named(case: &str, parameter: &str, true_one: &str, wide: f64) {
     let (experiment, problem, found, truth) = searched(case, 2);
     assert_eq!(found.verdict, Verdict::Named);
-    let document = found.document(&problem);
+    let report = Report::new(&experiment, &problem, &found);
+    let document = report.json();
     let (effect, hidden) = (&document["effects"][0], &truth["effects"][0]);
     assert_eq!((&effect["name"], &effect["junction"]), (&hidden["name"], &hidden["junction"]));
     let wanted = hidden["parameters"][true_one]["value"].as_f64().unwrap();
@@ -108,7 +121,7 @@ fn named(case: &str, parameter: &str, true_one: &str, wide: f64) {
         };
         assert!(over("after") < over("before") && over("after") < 1.1, "{}", document["gap"]);
     }
-    let patch = found.augmented(&experiment, "augmented.json").unwrap().unwrap();
+    let patch = report.augmented("augmented.json").unwrap().unwrap();
     let circuit = Circuit::new(&patch, &[]).unwrap_or_else(|report| panic!("{report}"));
     assert_eq!(circuit.warnings().to_string(), "");
 }
@@ -140,7 +153,7 @@ fn a_pump_at_its_limit_is_named_from_two_records() {
     experiment.train.push(experiment.train[0].clone());
     let problem = Problem::of(&experiment).unwrap();
     let found = outcome(&experiment, &problem, 2);
-    assert_eq!(found.sentence(), "saturation at u is missing");
+    assert_eq!(verdict_sentence(&found), "saturation at u is missing");
     assert!(!found.last.leaves_structure());
 }
 
@@ -151,12 +164,12 @@ fn what_may_be_a_value_beyond_a_range_is_said() {
     let experiment = read(Path::new("tests/slide.json"));
     let problem = Problem::of(&experiment).unwrap();
     let found = outcome(&experiment, &problem, 2);
-    let said = found.sentence();
+    let said = verdict_sentence(&found);
     let mass = said.strip_prefix("mass-change at A1 is missing, or M = ").unwrap();
     let mass = mass.strip_suffix(" kg, beyond its range: these data cannot tell").unwrap();
     assert!((mass.parse::<f64>().unwrap() - 2.0).abs() < 0.02, "{said}");
-    assert!(found.doubts(&experiment).is_empty(), "{:?}", found.doubts(&experiment));
-    assert_eq!(found.document(&problem)["beyond"]["parameters"][0]["name"], "M");
+    assert!(doubts(&found, &experiment).is_empty(), "{:?}", doubts(&found, &experiment));
+    assert_eq!(document(&problem, &found)["beyond"]["parameters"][0]["name"], "M");
 }
 
 /// The same, with a library that has no other mass.
@@ -170,7 +183,7 @@ fn what_a_value_beyond_a_range_explains_is_not_called_unknown() {
     let found = patchcord_ident::search::search(&problem, &experiment.patch, &experiment.fit, &with, |_| ())
         .unwrap()
         .unwrap();
-    let said = found.sentence();
+    let said = verdict_sentence(&found);
     assert!(said.starts_with("these data cannot judge: the patch alone explains them with M = "), "{said}");
 }
 
@@ -192,8 +205,8 @@ fn an_effect_at_the_end_of_its_range_is_doubted() {
         .unwrap();
     let doubt =
         "The b of constant-bias is found at the end of its range: these data may ask for a value beyond it.";
-    assert_eq!(found.sentence(), "constant-bias at I2 is missing");
-    assert!(found.doubts(&experiment).contains(&doubt.to_owned()), "{:?}", found.doubts(&experiment));
+    assert_eq!(verdict_sentence(&found), "constant-bias at I2 is missing");
+    assert!(doubts(&found, &experiment).contains(&doubt.to_owned()), "{:?}", doubts(&found, &experiment));
 }
 
 /// Laws with kinks: how steps of the solver fall on these is no part of how far a value may be off.
@@ -245,7 +258,7 @@ fn places(effects: &Value) -> BTreeSet<String> {
 fn two_effects_are_named_at_their_places() {
     let (_, problem, found, truth) = searched("pair", 2);
     assert_eq!(found.verdict, Verdict::Named);
-    let document = found.document(&problem);
+    let document = document(&problem, &found);
     assert_eq!(places(&document["effects"]), places(&truth["effects"]));
     let rounds = document["rounds"].as_array().unwrap();
     assert_eq!(rounds.iter().filter(|round| round["taken"] == true).count(), 2);
@@ -258,7 +271,8 @@ fn two_effects_are_named_at_their_places() {
     assert!((leak["parameters"]["g"]["value"].as_f64().unwrap() / wanted - 1.0).abs() < 0.05, "{leak}");
     assert!(!found.last.leaves_structure());
     // The same effects, were too much left for a name.
-    let is_nameless = |of: &Outcome| of.round_told(&of.rounds[0]).contains("It is taken. It is not named: ");
+    let is_nameless =
+        |of: &Outcome| round_sentence(of, &of.rounds[0]).contains("It is taken. It is not named: ");
     assert!(!is_nameless(&found) && is_nameless(&Outcome { verdict: Verdict::UnknownEffect, ..found }));
 }
 
@@ -267,7 +281,7 @@ fn two_effects_are_named_at_their_places() {
 fn two_effects_are_named_of_which_one_hides_the_other() {
     let (_, problem, found, truth) = searched("masked", 2);
     assert_eq!(found.verdict, Verdict::Named);
-    assert_eq!(places(&found.document(&problem)["effects"]), places(&truth["effects"]));
+    assert_eq!(places(&document(&problem, &found)["effects"]), places(&truth["effects"]));
 }
 
 /// A mass on which a force acts, of which nearly half is added after 2.5 s: positions at 250 Hz over 6.4 s, worked out in steps a
@@ -307,7 +321,7 @@ fn a_load_taken_up_in_training_is_still_there_in_the_test() {
     let problem = Problem::of(&experiment).unwrap();
     let found = outcome(&experiment, &problem, 2);
     assert_eq!(found.verdict, Verdict::Named);
-    let document = found.document(&problem);
+    let document = document(&problem, &found);
     let effect = &document["effects"][0];
     assert_eq!(effect["name"], "mass-change");
     let value = |name: &str| effect["parameters"][name]["value"].as_f64().unwrap();
@@ -320,7 +334,7 @@ fn a_load_taken_up_in_training_is_still_there_in_the_test() {
 fn a_relay_in_the_drive_is_none_of_the_effects() {
     let (experiment, _, found, _) = searched("relay", 2);
     assert_eq!(found.verdict, Verdict::UnknownEffect);
-    assert!(found.augmented(&experiment, "augmented.json").unwrap().is_none());
+    assert!(augmented_patch(&found, &experiment, "augmented.json").unwrap().is_none());
     assert_eq!(found.whereabouts[0].junction, "IT");
 }
 
@@ -330,7 +344,7 @@ fn nothing_is_named_where_nothing_is_missing_whatever_the_threads() {
     let [(experiment, problem, one, _), (_, _, other, _)] =
         [1, 2].map(|threads| searched("nothing", threads));
     assert_eq!(one.verdict, Verdict::NothingMissing);
-    assert!(one.augmented(&experiment, "augmented.json").unwrap().is_none());
-    assert_eq!(one.document(&problem), other.document(&problem));
-    assert!(one.agreement.is_same, "{}", one.agreement.sentence());
+    assert!(augmented_patch(&one, &experiment, "augmented.json").unwrap().is_none());
+    assert_eq!(document(&problem, &one), document(&problem, &other));
+    assert!(one.agreement.is_same, "{}", starts_sentence(&one.agreement));
 }

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::integrated::integrated;
 use super::oscillator::{INTERVAL, measured, patch};
+use super::search::document;
 use super::{library, noise};
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
@@ -11,6 +12,8 @@ use patchcord_core::patch::{Edit, Patch};
 use patchcord_core::solve::{RunSettings, run};
 use patchcord_ident::Experiment;
 use patchcord_ident::fit::problem::Problem;
+use patchcord_ident::report::discriminating_experiment::{experiment_csv, experiment_sentence};
+use patchcord_ident::report::sentence::verdict_sentence;
 use patchcord_ident::search::{Means, Outcome, Verdict};
 
 /// Where the oscillator stands whose drive comes 50 ms late.
@@ -56,20 +59,20 @@ fn what_slow_drives_cannot_tell_the_experiment_does() {
         .map(|time| 20.0 * (2.0 * time).sin() + 10.0 * (3.3 * time).sin())
         .collect();
     let (experiment, problem, found) = searched(&slow);
-    assert_eq!(found.verdict, Verdict::Ambiguous, "{}", found.sentence());
+    assert_eq!(found.verdict, Verdict::Ambiguous, "{}", verdict_sentence(&found));
     let separating = found.separating.as_ref().unwrap();
-    assert!(separating.tells(), "{}", separating.document());
+    assert!(separating.tells(), "{}", experiment_sentence(separating));
     let mut both = separating.from.clone();
     both.sort();
     assert_eq!(both, ["actuator-lag at F", "time-delay at F"]);
-    assert!(found.sentence().contains("these data cannot tell; "), "{}", found.sentence());
-    let document = found.document(&problem);
+    assert!(verdict_sentence(&found).contains("these data cannot tell; "), "{}", verdict_sentence(&found));
+    let document = document(&problem, &found);
     let rivals = document["rivals"].as_array().unwrap().iter();
     let tied = rivals.filter(|rival| rival["tied"] == true && rival["step"] == 1).map(|rival| &rival["name"]);
     let named = document["effects"].as_array().unwrap().iter().skip(1).map(|effect| &effect["name"]);
     assert_eq!(tied.collect::<Vec<_>>(), named.collect::<Vec<_>>(), "the other of the two");
     // A line of what it is, the units, a line of names, and one for every sample: time, drive, what either predicts.
-    let csv = separating.csv(&experiment.outputs);
+    let csv = experiment_csv(separating, &experiment.outputs);
     let units: Vec<&str> =
         csv.lines().skip(1).take(4).map(|line| line.rsplit(": ").next().unwrap()).collect();
     assert_eq!(units, ["s", "N", "m", "m"], "{csv}");
@@ -80,7 +83,7 @@ fn what_slow_drives_cannot_tell_the_experiment_does() {
     let once = rows.iter().map(|row| row[1]);
     let forces: Vec<f64> = once.clone().chain(once).collect();
     let (_, _, told) = searched(&forces);
-    assert_eq!(told.verdict, Verdict::Named, "{}", told.sentence());
+    assert_eq!(told.verdict, Verdict::Named, "{}", verdict_sentence(&told));
     assert_eq!(told.rounds[0].trials[0].candidate.effect, "time-delay");
     assert!(told.separating.is_none());
 }
@@ -118,12 +121,12 @@ fn what_motion_one_way_cannot_tell_a_drive_that_turns_does() {
     let with = Means { library: &library, threads: 2, seed: 1 };
     let found =
         patchcord_ident::search::search(&problem, &patch, &experiment.fit, &with, |_| ()).unwrap().unwrap();
-    assert_eq!(found.verdict, Verdict::Ambiguous, "{}", found.sentence());
+    assert_eq!(found.verdict, Verdict::Ambiguous, "{}", verdict_sentence(&found));
     let separating = found.separating.as_ref().unwrap();
-    assert!(separating.tells() && separating.turns, "{}", separating.document());
+    assert!(separating.tells() && separating.turns, "{}", experiment_sentence(separating));
     assert!(
-        found.sentence().contains(" would, if F can change its sign: they differ"),
+        verdict_sentence(&found).contains(" would, if F can change its sign: they differ"),
         "{}",
-        found.sentence()
+        verdict_sentence(&found)
     );
 }

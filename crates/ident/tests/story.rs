@@ -5,6 +5,7 @@ use std::path::Path;
 use serde_json::json;
 
 use super::library;
+use super::search::document;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::Phase;
 use patchcord_core::ir::Program;
@@ -17,6 +18,7 @@ use patchcord_ident::effects::reach::Extent;
 use patchcord_ident::effects::sites::Sites;
 use patchcord_ident::fit::fitted_model::Stage;
 use patchcord_ident::fit::problem::Problem;
+use patchcord_ident::report::sentence::verdict_sentence;
 use patchcord_ident::search::{Means, Outcome, Verdict};
 
 /// What patches/story/slide.py made the data with, by the names of Fig 8.16.
@@ -148,7 +150,7 @@ const FRICTION: [&str; 4] = ["coulomb-friction", "friction-memory", "stribeck-fr
 fn from_fig_8_14_the_memory_is_named_where_the_thesis_has_it() {
     let (problem, found) = searched("fig-8-14", &FRICTION);
     assert_eq!(found.verdict, Verdict::Named);
-    let document = found.document(&problem);
+    let document = document(&problem, &found);
     let effects = document["effects"].as_array().unwrap();
     assert_eq!(effects.len(), 1);
     assert_eq!((&effects[0]["name"], &effects[0]["junction"]), (&json!("friction-memory"), &json!("X1")));
@@ -166,14 +168,14 @@ fn from_fig_8_4_in_two_steps_friction_that_falls_comes_first_and_memory_then() {
     let (_, first) = searched("fig-8-04", &["coulomb-friction", "stribeck-friction"]);
     assert_eq!(first.verdict, Verdict::UnknownEffect);
     let told = std::fs::read_to_string("../../docs/story.md").unwrap();
-    assert!(told.contains(&first.sentence()), "{}", first.sentence());
+    assert!(told.contains(&verdict_sentence(&first)), "{}", verdict_sentence(&first));
     // What is fitted so far is where the next search begins.
     let mut experiment = experiment("fig-8-04");
     let version = &first.last.version;
     experiment.patch = version.at("falling.json", &first.last.train.point.knobs).unwrap();
     experiment.fit = version.fit.clone();
     let second = search(&experiment, &["coulomb-friction", "friction-memory", "stribeck-friction"]).1;
-    assert_eq!(second.sentence(), "friction-memory at A3 is missing");
+    assert_eq!(verdict_sentence(&second), "friction-memory at A3 is missing");
     found_near(&second, &BESIDE_FALLING, 0.01);
     let gaps = [&first.base, &first.last, second.told()].map(Stage::gap);
     assert!(gaps[1] < 0.5 * gaps[0] && gaps[2] < 0.01 * gaps[1], "{gaps:?}");
@@ -194,7 +196,7 @@ fn from_fig_8_4_in_two_steps_friction_that_falls_comes_first_and_memory_then() {
 #[ignore = "takes a minute or more: searches on the data of the thesis"]
 fn from_fig_8_4_friction_that_falls_and_remembers_is_found_and_runs_like_fig_8_16() {
     let (_, found) = searched("fig-8-04", &FRICTION);
-    assert_eq!(found.sentence(), "friction-memory at A3 is missing");
+    assert_eq!(verdict_sentence(&found), "friction-memory at A3 is missing");
     found_near(&found, &RENAMED[..6], 0.01);
     // Each of the thesis's steps adds to the one before and leaves less.
     let best = |effect: &str, reads: &[&str]| {

@@ -4,6 +4,7 @@ use super::noise::{slow, white};
 use super::oscillator::taken;
 use super::search::{outcome, spoilt};
 use patchcord_ident::fit::coloured_residual::Cause;
+use patchcord_ident::report::sentence::verdict_sentence;
 use patchcord_ident::search::Verdict;
 use patchcord_ident::search::inconclusive::Blind;
 
@@ -22,7 +23,7 @@ fn noise_of_a_drive_is_no_effect() {
                 noisy(&mut record.drives[0], sigma, white(seed + 10 * place));
             });
         });
-        let Some(Blind::NotWhite(own)) = &found.blind else { panic!("{}", found.sentence()) };
+        let Some(Blind::NotWhite(own)) = &found.blind else { panic!("{}", verdict_sentence(&found)) };
         let Cause::Drives(drives, brought) = &own.cause else { panic!("{own:?}") };
         assert_eq!((found.verdict, drives.as_slice()), (Verdict::CannotJudge, &["F".to_owned()][..]));
         assert!((0.3..2.5).contains(&(own.left / brought)), "{own:?}");
@@ -55,12 +56,12 @@ fn what_straight_lines_between_the_samples_of_a_drive_bring_is_no_effect() {
         outcome(&experiment, &problem, 2)
     };
     let straight = found("linear");
-    let Some(Blind::NotWhite(own)) = &straight.blind else { panic!("{}", straight.sentence()) };
+    let Some(Blind::NotWhite(own)) = &straight.blind else { panic!("{}", verdict_sentence(&straight)) };
     let Cause::Between(drives, smooth) = &own.cause else { panic!("{own:?}") };
     assert_eq!((straight.verdict, drives.as_slice()), (Verdict::CannotJudge, &["F".to_owned()][..]));
     assert!(own.left > 2.0 && (0.9..1.1).contains(smooth), "{own:?}");
     let smooth = found("smooth");
-    assert_eq!(smooth.verdict, Verdict::NothingMissing, "{}", smooth.sentence());
+    assert_eq!(smooth.verdict, Verdict::NothingMissing, "{}", verdict_sentence(&smooth));
     let knobs = smooth.base.train.point.knobs.iter().zip([3.0, 500.0, 5.0]);
     knobs.for_each(|(found, hidden)| assert!((found / hidden - 1.0).abs() < 0.01, "{found} {hidden}"));
 }
@@ -82,7 +83,7 @@ fn slow_noise_of_a_sensor_is_no_effect() {
         let records = experiment.train.iter_mut().chain(&mut experiment.test);
         records.zip(0..).for_each(|(record, place)| noisy(&mut record.outputs[0], 1e-3, slow(place, 0.95)));
     });
-    let Some(Blind::Slow(own)) = &found.blind else { panic!("{}", found.sentence()) };
+    let Some(Blind::Slow(own)) = &found.blind else { panic!("{}", verdict_sentence(&found)) };
     assert_eq!((found.verdict, own.output.as_str()), (Verdict::CannotJudge, "x"));
     // Of 0.95 a sample an e-th is left after 20 of them.
     assert!((0.05..0.2).contains(&own.seconds), "{own:?}");

@@ -15,6 +15,7 @@ use patchcord_ident::effects::Library;
 use patchcord_ident::fit::fitted_model::Stage;
 use patchcord_ident::fit::problem::Problem;
 use patchcord_ident::localise::Whereabouts;
+use patchcord_ident::report::Report;
 use patchcord_ident::search::{Means, Verdict};
 
 /// Something that is hidden in a patch, and the records that it makes.
@@ -290,11 +291,13 @@ fn what_has_no_name_comes_with_its_force_whatever_the_threads() {
             .unwrap()
     });
     assert_eq!(one.verdict, Verdict::UnknownEffect);
-    let document = one.document(&problem);
-    assert_eq!(document, two.document(&problem));
+    let experiment = hidden.measured();
+    let [report, other] = [&one, &two].map(|outcome| Report::new(&experiment, &problem, outcome));
+    let document = report.json();
+    assert_eq!(document, other.json());
     let told = &document["where"][0];
     assert_eq!((&told["junction"], &told["best_against"]), (&"I2".into(), &"time".into()));
-    let recovered = one.recovered(&hidden.measured(), "recovered.json").unwrap().unwrap();
+    let recovered = report.recovered("recovered.json").unwrap().unwrap();
     assert_eq!(recovered.drives["E1-D1"].kind.name, "table");
     Circuit::new(&recovered, &[]).unwrap_or_else(|report| panic!("{report}"));
 }

@@ -4,11 +4,8 @@
 //! what is left when the one is fitted to what the other predicts, whichever of the two comes nearer, or has fewer numbers.
 
 use std::cmp::Ordering;
-use std::fmt::Write as _;
 
-use serde_json::{Value, json};
-
-use crate::data::experiment::{Feed, Output};
+use crate::data::experiment::Feed;
 use crate::data::record::Record;
 use crate::fit::estimate::Point;
 use crate::fit::fitted_model::Stage;
@@ -19,7 +16,6 @@ use crate::statistics::acceptance::APART;
 use crate::statistics::block_comparison::expected;
 use crate::statistics::descriptive::ends;
 use crate::statistics::directions::{clear, orthonormal, product};
-use patchcord_analysis::instruments::number;
 use patchcord_core::machines::REFERENCE;
 
 /// What a drive does.
@@ -86,10 +82,14 @@ pub struct Separating {
     pub apart: Vec<f64>,
     /// In how many standard errors of the comparison the one would stand above the other.
     pub errors: f64,
-    outputs: Vec<String>,
-    feeds: Vec<Feed>,
-    record: Record,
-    predictions: [Course; 2],
+    /// The outputs, in the order of `apart` and of the predictions.
+    pub(crate) outputs: Vec<String>,
+    /// The drives that the data feed, in the order of the record.
+    pub(crate) feeds: Vec<Feed>,
+    /// The record that the experiment would make: its drives and times.
+    pub(crate) record: Record,
+    /// Of either effect, what the patch with it predicts of every output.
+    pub(crate) predictions: [Course; 2],
 }
 
 /// Amplitudes, over how far the records go from where the drive rests.
@@ -111,84 +111,6 @@ impl Separating {
     /// Whether the experiment would tell one from the other.
     pub fn tells(&self) -> bool {
         self.errors > WITH_MARGIN * APART
-    }
-
-    /// The same in words.
-    pub fn sentence(&self) -> String {
-        let most = number(self.apart.iter().copied().fold(0.0, f64::max));
-        let errors = number((10.0 * self.errors).round() / 10.0);
-        let differ = format!("they differ by {most} times the noise, {errors} standard errors over a record");
-        match self.tells() {
-            true if self.turns => {
-                let drive = &self.drive;
-                format!("{} would, if {drive} can change its sign: {differ}", self.drive_in_words())
-            }
-            true => format!("{} would: {differ}", self.drive_in_words()),
-            false => format!("none of the drives tried would: at most {differ}"),
-        }
-    }
-
-    /// "a sine of 3 N at 1.2 Hz on F".
-    fn drive_in_words(&self) -> String {
-        let what = match self.shape {
-            Shape::Step | Shape::Sine => format!("a {}", self.shape.as_str()),
-            Shape::Ramps | Shape::Reversals => self.shape.as_str().to_owned(),
-        };
-        let about = match self.about {
-            0.0 => String::new(),
-            about => format!(" about {}", number(about)),
-        };
-        let when = match self.shape {
-            Shape::Step => format!("after {} s", number(self.period)),
-            _ => format!("at {} Hz", number(1.0 / self.period)),
-        };
-        format!("{what} of {}{about} {} {when} on {}", number(self.amplitude), self.unit, self.drive)
-    }
-
-    /// The same as a JSON document.
-    pub fn document(&self) -> Value {
-        let outputs = self.outputs.iter().cloned().zip(self.apart.iter().map(|own| json!(own)));
-        json!({
-            "from": self.from,
-            "tells": self.tells(),
-            "drive": self.drive,
-            "shape": self.shape.as_str(),
-            "amplitude": self.amplitude,
-            "about": self.about,
-            "unit": self.unit,
-            "turns": self.turns,
-            "period": self.period,
-            "frequency": (self.shape != Shape::Step).then(|| 1.0 / self.period),
-            "apart": outputs.collect::<serde_json::Map<_, _>>(),
-            "standard_errors": self.errors,
-        })
-    }
-
-    /// The experiment as a table: time, drives, and every output as either effect predicts it, in the units of the experiment's
-    /// outputs.
-    pub fn csv(&self, outputs: &[Output]) -> String {
-        let what = if self.tells() { "drives that tell" } else { "drives that come nearest to telling" };
-        let mut text = format!("# {what} {} from {}, and what either predicts\n", self.from[0], self.from[1]);
-        let drives = self.feeds.iter().map(|feed| (feed.drive.clone(), feed.unit.text()));
-        let unit =
-            |name: &String| outputs.iter().find(|own| own.signal == *name).map_or("V", |own| own.unit.text());
-        let predicted = self.from.iter().flat_map(|from| {
-            self.outputs.iter().map(move |output| (format!("{output} with {from}"), unit(output)))
-        });
-        let columns: Vec<_> = [("t".to_owned(), "s")].into_iter().chain(drives).chain(predicted).collect();
-        for (name, unit) in &columns {
-            let _ = writeln!(text, "# {name}: {unit}");
-        }
-        let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-        let _ = writeln!(text, "{}", names.join(","));
-        for sample in 0..self.record.len() {
-            let tracks = self.record.drives.iter().chain(self.predictions.iter().flatten());
-            let values = tracks.map(|track| track[sample]);
-            let time = sample as f64 * self.record.interval;
-            let cells: Vec<String> = [time].into_iter().chain(values).map(|own| own.to_string()).collect();
-            let _ = writeln!(text, "{}", cells.join(","));
-        }
-        text
     }
 }
 

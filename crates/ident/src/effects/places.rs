@@ -39,17 +39,4 @@ impl Places {
         let placeless = self.effects.iter().filter(|(_, at)| at.is_empty());
         placeless.map(|(effect, _)| effect.as_str()).collect()
     }
-
-    /// The same in a sentence; nothing where there is a place for all.
-    pub fn nowhere_told(&self) -> Option<String> {
-        let nowhere = self.nowhere();
-        (!nowhere.is_empty()).then(|| format!("The patch has no place for {}.", nowhere.join(", ")))
-    }
-
-    /// Where nothing is tried for want of a signal, a sentence each.
-    pub fn nameless_told(&self) -> impl Iterator<Item = String> + '_ {
-        self.nameless.iter().map(|own| {
-            format!("{own} gives no signal with a scale, so that nothing is tried there: name what it gives under \"signals\".")
-        })
-    }
 }

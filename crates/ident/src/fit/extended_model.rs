@@ -1,7 +1,5 @@
 //! A fitted model with one more effect wired in.
 
-use serde_json::{Map, Value};
-
 use crate::effects::attach::Attached;
 use crate::effects::candidate::Candidate;
 use crate::effects::sites::Sites;
@@ -128,17 +126,5 @@ impl LeftOut {
     pub(crate) fn of(attached: &Attached<'_>, why: &Untried) -> LeftOut {
         let effect = attached.effect.name.clone();
         LeftOut { effect, junction: attached.junction().to_owned(), why: why.to_string() }
-    }
-
-    /// What is not tried, and why, in a line.
-    pub fn sentence(&self) -> String {
-        let why = self.why.lines().next().unwrap_or_default();
-        format!("{} at {} is not tried: {why}", self.effect, self.junction)
-    }
-
-    /// The same as a JSON document.
-    pub fn document(&self) -> Map<String, Value> {
-        let told = [("name", &self.effect), ("junction", &self.junction), ("why", &self.why)];
-        told.map(|(key, value)| (key.to_owned(), value.as_str().into())).into_iter().collect()
     }
 }

@@ -71,9 +71,9 @@ pub struct Stage {
     pub(crate) seen: Seen,
     /// Whether it was gone through with, or looked at quickly only.
     pub gone_through: bool,
-    /// How well each value that is fitted is known; nothing before `Problem::with_errors`.
+    /// How well each value that is fitted is known; nothing before `fit::intervals::with_errors`.
     pub known: Vec<Known>,
-    /// What `Problem::not_white` says of it, once that was asked.
+    /// What `residuals::residual_analysis::coloured_residual` says of it, once that was asked.
     pub(crate) not_white: OnceLock<Option<NotWhite>>,
 }
 

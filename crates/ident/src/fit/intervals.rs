@@ -284,21 +284,6 @@ mod tests {
     use crate::fit::step_size::tests::measured;
     use patchcord_core::patch::Patch;
 
-    #[test]
-    fn the_ends_of_an_interval_are_told_apart() {
-        let known = |low, high, error| Known { error, interval: [low, high] };
-        let told = |low, high, error| known(low, high, error).interval_told();
-        assert_eq!(told(1.5, 2.25, 0.1), "1.5 ... 2.25");
-        assert_eq!(told(14.9971, 15.0028, 0.001), "14.9971 ... 15.0028");
-        assert_eq!(told(0.0, 0.0, 0.0), "0 ... 0");
-        assert_eq!(told(0.0, 1.0, f64::INFINITY), "anything");
-        // A value is not to lie outside of its interval as that is told.
-        assert_eq!(known(14.9971, 15.0028, 0.001).number(15.00249), "15.0025");
-        assert_eq!(known(1.5, 2.25, 0.1).number(1.87654), "1.877");
-        assert_eq!(Known::NOT.number(1.87654), "1.877");
-        assert_eq!(known(1.99997e-16, 2.00003e-16, 1e-21).number(2.00001e-16), "2.000010e-16");
-    }
-
     /// What the sum of squares rises by at a rate, the amplitude fitted again, were the noise of 1 V.
     fn rise(rate: f64) -> f64 {
         let course = |rate: f64| (0..20).map(move |sample| (-rate * f64::from(sample)).exp());

@@ -10,7 +10,7 @@ pub mod intervals;
 pub mod levenberg_marquardt;
 pub mod model;
 pub(crate) mod normal_equations;
-pub(crate) mod overload;
+pub mod overload;
 pub mod parameter_values;
 pub mod peaks;
 pub mod problem;

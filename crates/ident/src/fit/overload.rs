@@ -3,14 +3,26 @@
 use crate::fit::fitted_model::Stage;
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
-use patchcord_analysis::instruments::number;
 use patchcord_core::trace::Overload;
 
-/// The first overload of a stage beside its records, in a sentence; nothing where there is none.
+/// The first overload of a fitted model as it runs along its records.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordOverload {
+    /// Name of the record, that is, its file.
+    pub record: String,
+    /// The amplifier.
+    pub element: String,
+    /// When it was first asked for more than 100 V, in seconds by the clock of the record.
+    pub time: f64,
+    /// The largest voltage that it was asked for, in V, without sign.
+    pub peak: f64,
+}
+
+/// The first overload of a stage beside its records; nothing where there is none.
 ///
 /// # Errors
 /// When the patch cannot be run beside the records.
-pub(crate) fn first_overload(problem: &Problem, stage: &Stage) -> Result<Option<String>, ModelError> {
+pub(crate) fn first_overload(problem: &Problem, stage: &Stage) -> Result<Option<RecordOverload>, ModelError> {
     let parts = [(&problem.train, &stage.train.point), (&problem.test, &stage.test.point)];
     for (records, point) in parts {
         let model = problem.model(&stage.version, records, &problem.outputs)?;
@@ -19,12 +31,8 @@ pub(crate) fn first_overload(problem: &Problem, stage: &Stage) -> Result<Option<
             .enumerate()
             .find_map(|(place, record)| Some((record, model.overload(place, &point.choice(place))?)));
         let Some((record, Overload { element, time, peak, .. })) = overloaded else { continue };
-        return Ok(Some(format!(
-            "Beside {} the amplifier {element} is overloaded at {} s, asked for {} V: beyond 100 V the patch is not what it stands for. Let a volt of its scale stand for more, and search again.",
-            record.name,
-            number(record.begin + time),
-            number(peak)
-        )));
+        let (record, time) = (record.name.clone(), record.begin + time);
+        return Ok(Some(RecordOverload { record, element, time, peak }));
     }
     Ok(None)
 }

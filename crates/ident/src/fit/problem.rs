@@ -34,7 +34,7 @@ pub struct Problem {
     pub steps: u32,
 }
 
-/// none of them shorter than so many samples.
+/// No piece of a record has fewer samples than this.
 const LEAST_PIECE: usize = 40;
 
 impl Problem {

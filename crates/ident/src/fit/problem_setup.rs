@@ -8,7 +8,7 @@ use crate::fit::model::ModelError;
 use crate::fit::problem::{Problem, in_pieces};
 use crate::fit::step_size::steps_per_sample;
 
-/// Into so many pieces a record is cut,
+/// A record is cut into this many pieces, if they are long enough.
 const PIECES: usize = 16;
 
 impl Problem {

@@ -2,14 +2,12 @@
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
-use serde_json::{Value, json};
 
 use crate::fit::estimate::Point;
 use crate::fit::fitted_model::Stage;
 use crate::fit::model::{Model, ModelError};
 use crate::fit::parameter_values::ParameterValues;
 use crate::fit::problem::Problem;
-use patchcord_analysis::instruments::number;
 
 /// So many points are scattered over the ranges.
 const SCATTERED: usize = 4;
@@ -92,38 +90,6 @@ fn chi2_of_pieces(problem: &Problem, stage: &Stage) -> Result<Option<f64>, Model
     Ok(problem.task(&model, &problem.pieces, true).told(point).map(|fitted| fitted.chi2))
 }
 
-impl Agreement {
-    /// The same in words.
-    pub fn sentence(&self) -> String {
-        let of = if self.in_pieces { " of the pieces that are fitted first" } else { "" };
-        let left = format!("{} times the noise{of}", number(self.left));
-        match (self.is_same, self.tried) {
-            (true, 1) => "a fit from another point comes to the same".to_owned(),
-            (true, tried) => format!("of {tried} fits from other points one comes to the same"),
-            _ if self.is_better => format!(
-                "a fit from another point leaves less, {left}, with {}: it found what the patch was not fitted to; let the parameters of the patch begin there",
-                self.values.told()
-            ),
-            (false, tried) if self.left.is_finite() => format!(
-                "of {tried} fits from other points none comes to the same (the best leaves {left}): there may be better ones than this; narrower ranges help to find them"
-            ),
-            (false, tried) => format!("from none of {tried} other points the patch can be run"),
-        }
-    }
-
-    /// The same as a JSON document.
-    pub fn document(&self) -> Value {
-        json!({
-            "same": self.is_same,
-            "better": self.is_better,
-            "values": self.values.document(),
-            "tried": self.tried,
-            "left": self.left.is_finite().then_some(self.left),
-            "in_pieces": self.in_pieces,
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::agreement_of_starts;
@@ -135,12 +101,12 @@ mod tests {
         let (patch, fit, problem) = decay(1e-3, 32);
         let mut stage = fit_base(&problem, &patch, &fit, 1).unwrap().unwrap();
         let same = agreement_of_starts(&problem, &stage, 1).unwrap();
-        assert!(same.is_same && same.document()["values"].as_object().unwrap().is_empty());
+        assert!(same.is_same && same.values.0.is_empty());
         // As of a fit that stayed where it began.
         stage.train.chi2 = 1e9;
         let better = agreement_of_starts(&problem, &stage, 1).unwrap();
-        assert!(better.is_better && better.sentence().contains("with rate = 2: "), "{}", better.sentence());
-        let rate = better.document()["values"]["rate"]["value"].as_f64().unwrap();
+        let [(name, rate, unit)] = better.values.0.as_slice() else { panic!("{better:?}") };
+        assert!(better.is_better && (name.as_str(), unit.as_str()) == ("rate", "1"), "{better:?}");
         assert!((rate - 2.0).abs() < 1e-3, "{rate}");
     }
 }

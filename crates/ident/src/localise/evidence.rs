@@ -38,11 +38,11 @@ impl Known {
 #[derive(Debug, Clone)]
 pub struct Solved {
     /// The free ones.
-    pub free: DVector<f64>,
+    pub(super) free: DVector<f64>,
     /// The sought ones.
-    pub sought: DVector<f64>,
+    pub(super) sought: DVector<f64>,
     /// Their covariance.
-    pub covariance: DMatrix<f64>,
+    pub(super) covariance: DMatrix<f64>,
     /// Logarithm of the marginal likelihood, above that of all sought numbers being 0.
     pub evidence: f64,
     /// To how many free numbers the sought ones come.

@@ -1,9 +1,6 @@
 //! The force that would close the gap at a junction.
 
-use serde_json::{Value, json};
-
 use crate::localise::evidence::Likeness;
-use patchcord_analysis::instruments::Display;
 use patchcord_core::patch::Patch;
 
 /// The force that would close the gap at a junction.
@@ -79,23 +76,6 @@ pub fn nearest(found: &[Whereabouts]) -> Vec<&str> {
     found.iter().filter(is_near).map(|own| own.junction.as_str()).collect()
 }
 
-/// Where the gap is best explained, when, and by what force, in words; `found` has the most likely junction first.
-pub fn sentence(found: &[Whereabouts]) -> Option<String> {
-    let best = found.first()?;
-    let near = nearest(found);
-    if near.is_empty() {
-        let few = "no force over time at any junction explains the gap: it is too fast, or too small, to be found without a law";
-        return Some(few.to_owned());
-    }
-    let apart = if near.len() > 1 { ", which these data cannot tell apart" } else { "" };
-    let against = match best.best_against() {
-        "time" => "that goes with time alone".to_owned(),
-        signal => format!("of {signal}"),
-    };
-    let (at, when) = (near.join(" or "), best.when());
-    Some(format!("the gap is best explained at {at}{apart}{when}, as a force {against}"))
-}
-
 impl Whereabouts {
     /// What the force goes with best: a signal or drive, or "time".
     pub fn best_against(&self) -> &str {
@@ -108,58 +88,8 @@ impl Whereabouts {
         self.best.map(|best| &self.curves[best]).filter(|curve| curve.held_out.is_some())
     }
 
-    /// The longest time for which it acts, and how many others there are, in words.
-    fn when(&self) -> String {
-        let windows: Vec<[f64; 2]> = self.windows().collect();
-        let others = match windows.len() {
-            0 | 1 => String::new(),
-            2 => " and at another time".to_owned(),
-            count => format!(" and at {} other times", count - 1),
-        };
-        let longest = windows.into_iter().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-        let told = |time: f64| Display::new("", 1.0).number(time);
-        longest.map_or_else(String::new, |[from, to]| {
-            format!(", between t = {} and {} s{others}", told(from), told(to))
-        })
-    }
-
     /// From when to when it acts, in all records.
     pub fn windows(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         self.forces.iter().flat_map(|force| force.windows.iter().copied())
-    }
-
-    /// The same as a JSON document.
-    pub fn document(&self) -> Value {
-        let record =
-            |force: &Force| json!({"data": force.data, "windows": force.windows, "force": force.points});
-        json!({
-            "junction": self.junction,
-            "unit": self.unit,
-            "explains": self.explains,
-            "evidence": self.evidence,
-            "numbers": self.effective,
-            "likeness": self.likeness.as_str(),
-            "best_against": self.best_against(),
-            "curve": self.best.map(|best| &self.curves[best].points),
-            "records": self.forces.iter().map(record).collect::<Vec<_>>(),
-            "curves": self.curves.iter().map(Curve::document).collect::<Vec<_>>(),
-        })
-    }
-}
-
-impl Curve {
-    fn document(&self) -> Value {
-        let [rising, falling] = [0, 1].map(|place| self.by_direction.as_ref().map(|both| &both[place]));
-        json!({
-            "against": self.against,
-            "unit": self.unit,
-            "explains": self.explains,
-            "held_out": self.held_out,
-            "evidence": self.evidence,
-            "curve": self.points,
-            "rising": rising,
-            "falling": falling,
-            "scatter": self.scatter,
-        })
     }
 }

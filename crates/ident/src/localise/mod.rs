@@ -18,7 +18,7 @@ use crate::fit::problem::Problem;
 use patchcord_analysis::pool;
 
 pub use evidence::Likeness;
-pub use force::{Curve, Force, Whereabouts, nearest, sentence};
+pub use force::{Curve, Force, Whereabouts, nearest};
 
 /// What a force would explain at every junction of a stage, the most likely first, worked out on so many threads.
 ///

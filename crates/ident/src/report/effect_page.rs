@@ -77,12 +77,10 @@ fn form_row(form: &Form) -> [String; 5] {
     ]
 }
 
-impl Library {
-    /// Every effect as one Markdown document: docs/effects.md.
-    pub fn markdown(&self) -> String {
-        let pages: Vec<_> = self.iter().map(|effect| Page::of(effect).markdown()).collect();
-        format!("{HEAD}\n{}", pages.join("\n"))
-    }
+/// Every effect of a library as one Markdown document: docs/effects.md.
+pub fn library_markdown(library: &Library) -> String {
+    let pages: Vec<_> = library.iter().map(|effect| Page::of(effect).markdown()).collect();
+    format!("{HEAD}\n{}", pages.join("\n"))
 }
 
 const HEAD: &str = "\

@@ -12,65 +12,72 @@ use crate::effects::candidate::Candidate;
 use crate::fit::fitted_model::Stage;
 use crate::fit::model::{ModelError, begun};
 use crate::localise::force::Whereabouts;
+use crate::report::values::{interval_text, number_text};
 use crate::search::outcome::Outcome;
 use crate::search::round::Round;
 use patchcord_analysis::instruments::number;
 use patchcord_core::document::behind;
 use patchcord_core::patch::{Edit, Patch};
 
-impl Outcome {
-    /// The patch as it was, with every parameter at its fitted value.
-    ///
-    /// # Errors
-    /// None that is known: what is edited stands in the patch.
-    pub fn fitted(&self, experiment: &Experiment, file: &str) -> Result<Patch, ModelError> {
-        let told = format!("fitted. {}", left(&self.base));
-        finished(&standing(&self.base)?, experiment, &told, file)
-    }
+/// The patch as it was, with every parameter at its fitted value.
+///
+/// # Errors
+/// None that is known: what is edited stands in the patch.
+pub fn fitted_patch(outcome: &Outcome, experiment: &Experiment, file: &str) -> Result<Patch, ModelError> {
+    let told = format!("fitted. {}", left(&outcome.base));
+    finished(&standing(&outcome.base)?, experiment, &told, file)
+}
 
-    /// The same with the effects that are named; nothing where none is.
-    ///
-    /// # Errors
-    /// None that is known: what is edited stands in the patch.
-    pub fn augmented(&self, experiment: &Experiment, file: &str) -> Result<Option<Patch>, ModelError> {
-        if !self.verdict.has_names() {
-            return Ok(None);
-        }
-        let stages = [&self.base, self.told()].map(left);
-        let told = format!("with {}. Before: {} After: {}", self.effects(), stages[0], stages[1]);
-        finished(&standing(self.told())?, experiment, &told, file).map(Some)
+/// The same with the effects that are named; nothing where none is.
+///
+/// # Errors
+/// None that is known: what is edited stands in the patch.
+pub fn augmented_patch(
+    outcome: &Outcome,
+    experiment: &Experiment,
+    file: &str,
+) -> Result<Option<Patch>, ModelError> {
+    if !outcome.verdict.has_names() {
+        return Ok(None);
     }
+    let stages = [&outcome.base, outcome.told()].map(left);
+    let told = format!("with {}. Before: {} After: {}", effects_text(outcome), stages[0], stages[1]);
+    finished(&standing(outcome.told())?, experiment, &told, file).map(Some)
+}
 
-    /// The patch as it was with the force that closes its gap best, where something is missing that has no name.
-    ///
-    /// # Errors
-    /// None that is known: what is edited stands in the patch.
-    pub fn recovered(&self, experiment: &Experiment, file: &str) -> Result<Option<Patch>, ModelError> {
-        let Some(found) = self.unnamed() else { return Ok(None) };
-        let (force, before) = (force(found), left(&self.base));
-        let closes = found.wired().map_or(found.explains, |curve| curve.explains);
-        let share = number(100.0 * closes);
-        let told =
-            format!("with a force {force}. Before: {before} The force closes {share} % of that in training.");
-        finished(&found.recovered, experiment, &told, file).map(Some)
-    }
+/// The patch as it was with the force that closes its gap best, where something is missing that has no name.
+///
+/// # Errors
+/// None that is known: what is edited stands in the patch.
+pub fn recovered_patch(
+    outcome: &Outcome,
+    experiment: &Experiment,
+    file: &str,
+) -> Result<Option<Patch>, ModelError> {
+    let Some(found) = outcome.unnamed() else { return Ok(None) };
+    let (force, before) = (force(found), left(&outcome.base));
+    let closes = found.wired().map_or(found.explains, |curve| curve.explains);
+    let share = number(100.0 * closes);
+    let told =
+        format!("with a force {force}. Before: {before} The force closes {share} % of that in training.");
+    finished(&found.recovered, experiment, &told, file).map(Some)
+}
 
-    /// The effects that were taken, with their parameters.
-    fn effects(&self) -> String {
-        let taken = self.effects.iter().zip(&self.rounds);
-        taken.map(|(own, round)| self.effect(own, round)).collect::<Vec<_>>().join("; and ")
-    }
+/// The effects that were taken, with their parameters.
+fn effects_text(outcome: &Outcome) -> String {
+    let taken = outcome.effects.iter().zip(&outcome.rounds);
+    taken.map(|(own, round)| effect_text(outcome, own, round)).collect::<Vec<_>>().join("; and ")
+}
 
-    fn effect(&self, own: &Candidate, round: &Round) -> String {
-        let parameters = self.last.brought(own).map(|(own, value, known)| {
-            let (value, between) = (known.number(value), known.interval_told());
-            format!("{} = {value}{} (95 %: {between})", own.name, behind(&own.unit))
-        });
-        let parameters: Vec<String> = parameters.collect();
-        let or = round.rival().map(|rival| format!(" (or {}: the data cannot tell)", rival.named()));
-        let or = or.unwrap_or_default();
-        format!("{}{or}, {}", own.named(), parameters.join(", "))
-    }
+fn effect_text(outcome: &Outcome, own: &Candidate, round: &Round) -> String {
+    let parameters = outcome.last.brought(own).map(|(own, value, known)| {
+        let (value, between) = (number_text(known, value), interval_text(known));
+        format!("{} = {value}{} (95 %: {between})", own.name, behind(&own.unit))
+    });
+    let parameters: Vec<String> = parameters.collect();
+    let or = round.rival().map(|rival| format!(" (or {}: the data cannot tell)", rival.named()));
+    let or = or.unwrap_or_default();
+    format!("{}{or}, {}", own.named(), parameters.join(", "))
 }
 
 /// The patch of a stage as it was fitted: parameters, and the voltages with which the first record begins.

@@ -1,7 +1,5 @@
 //! What residuals go with: how far they correlate with what drives the patch and with what it does.
 
-use serde_json::{Value, json};
-
 use crate::fit::fitted_model::Stage;
 use crate::fit::model::{Course, ModelError};
 use crate::fit::problem::Problem;
@@ -37,14 +35,6 @@ impl Correlation {
     /// The stronger of both, whatever its sign.
     pub fn strongest(&self) -> f64 {
         self.own.value.abs().max(self.size.value.abs())
-    }
-
-    /// The same as a JSON document.
-    pub fn document(&self) -> Value {
-        let told = |own: Lagged| json!({"correlation": own.value, "lag": own.lag});
-        json!({
-            "output": self.output, "with": self.with, "itself": told(self.own), "size": told(self.size), "chance": self.chance,
-        })
     }
 }
 

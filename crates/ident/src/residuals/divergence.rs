@@ -10,7 +10,6 @@ use crate::fit::problem::Problem;
 use crate::residuals::output_motion::HARDLY;
 use crate::residuals::output_motion::motion_over_noise;
 use crate::statistics::descriptive::rms_about_means;
-use patchcord_analysis::instruments::number;
 
 /// What little is changed at the beginning of a record grows by more than this factor where a patch runs away,
 const GROWTH: f64 = 1e3;
@@ -21,9 +20,6 @@ const LONGER: usize = 16;
 const IN_A_ROW: f64 = 2.0 * LONGER as f64;
 /// The first part has so many samples at least; of a record too short for that nothing is said.
 const LEAST_SAMPLES: usize = 4;
-
-/// What is to be done about it, in words.
-pub(crate) const ADVICE: &str = "look at the signs in its loops, or write \"pieces\" where it is to run away";
 
 /// That a patch runs away from the data.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,17 +32,6 @@ pub struct Runaway {
     pub moves: f64,
     /// By more than this factor a change of an initial voltage grows in it.
     pub growth: f64,
-}
-
-impl Runaway {
-    /// The same in words.
-    pub fn sentence(&self) -> String {
-        let Runaway { output, left, moves, growth } = self;
-        let [left, moves, growth] = [left, moves, growth].map(|own| number(*own));
-        format!(
-            "the patch runs away: it leaves {left} times the noise of {output}, which moves by {moves}, and what is changed of its initial voltages grows more than {growth} times: {ADVICE}"
-        )
-    }
 }
 
 /// That a stage far from the data runs away from an output that it hardly explains.

@@ -9,7 +9,6 @@ use crate::fit::model::ModelError;
 use crate::fit::problem::{Problem, in_pieces};
 use crate::fit::step_size::steps_per_sample;
 use crate::residuals::output_motion::is_hardly_explained;
-use patchcord_analysis::instruments::number;
 use patchcord_core::patch::Patch;
 
 /// Something is told wrongly where told otherwise it leaves no more than such a share of the gap, in rms.
@@ -36,31 +35,6 @@ pub enum Otherwise {
     ThousandfoldTimes,
 }
 
-impl Otherwise {
-    fn told(&self) -> String {
-        match self {
-            Otherwise::Turned(names) => format!("{} turned round", names.join(", ")),
-            Otherwise::Thousandth(names) => format!("a thousandth of {}", names.join(", ")),
-            Otherwise::Thousandfold(names) => format!("a thousand times {}", names.join(", ")),
-            Otherwise::ThousandthOfTimes => "a thousandth of all times".to_owned(),
-            Otherwise::ThousandfoldTimes => "a thousand times all times".to_owned(),
-        }
-    }
-
-    /// Where to look.
-    fn advice(&self) -> &'static str {
-        match self {
-            Otherwise::Turned(_) => "look at the signs of signal, column and drives",
-            Otherwise::Thousandth(_) | Otherwise::Thousandfold(_) => {
-                "look at the units of columns and drives, which are those of the signals where no \"unit\" is told, and of parameters"
-            }
-            Otherwise::ThousandthOfTimes | Otherwise::ThousandfoldTimes => {
-                "look at the unit of \"time\", which is s where none is told, and at what makes the patch quick or slow: jacks of integrators, units of parameters"
-            }
-        }
-    }
-}
-
 /// What a patch explains that does not explain what is told.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mistold {
@@ -68,15 +42,6 @@ pub struct Mistold {
     pub otherwise: Otherwise,
     /// What the patch leaves of all outputs as they are told and otherwise, rms over the noise.
     pub leaves: [f64; 2],
-}
-
-impl Mistold {
-    /// The same in words.
-    pub fn sentence(&self) -> String {
-        let ([before, after], told) = (self.leaves.map(number), self.otherwise.told());
-        let advice = self.otherwise.advice();
-        format!("with {told} the patch leaves {after} times the noise, and {before} as it is: {advice}")
-    }
 }
 
 /// What is told wrongly, where a patch far from the data explains them told otherwise: one output turned round, or all, as where a

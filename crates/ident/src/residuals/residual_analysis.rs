@@ -15,7 +15,6 @@ use crate::residuals::intersample::refit_smoothly;
 use crate::residuals::output_motion::motion_over_noise;
 use crate::statistics::descriptive::mean;
 use crate::statistics::rng::normal;
-use patchcord_analysis::instruments::number;
 use patchcord_analysis::pool;
 
 /// So often noise of the drives is drawn.
@@ -38,17 +37,6 @@ pub struct SlowNoise {
     pub output: String,
     /// Over how many seconds it remembers.
     pub seconds: f64,
-}
-
-impl SlowNoise {
-    /// The same in words.
-    pub fn sentence(&self) -> String {
-        format!(
-            "what is left of {} goes like slow noise of its sensor, which that remembers for about {} s, rather than like a force at any junction",
-            self.output,
-            number(self.seconds)
-        )
-    }
 }
 
 /// Slow noise is taken for what is left where its likelihood lies so far above that of the likeliest force, as a logarithm: the
@@ -265,7 +253,7 @@ mod tests {
         let problem = Problem::of(&experiment).unwrap();
         let base = fit_base(&problem, &experiment.patch, &experiment.fit, 1).unwrap().unwrap();
         let own = coloured_residual(&problem, &base, 2).unwrap().unwrap();
-        assert_eq!(own.cause, Cause::Runaway(vec!["F".to_owned()]), "{}", own.sentence());
+        assert_eq!(own.cause, Cause::Runaway(vec!["F".to_owned()]), "{own:?}");
     }
 
     /// Of two neighbours the likelihood is that of a plane of normal numbers.

@@ -28,7 +28,8 @@ use crate::search::round::{Round, Trial};
 use crate::search::state::Come;
 use crate::search::verdict::Verdict;
 
-/// it is none, if a force over what the patch does leaves less than this share of what it leaves, in squares.
+/// What is missing is no effect of the library if a force over what the patch does leaves less than this share, in squares, of what
+/// the named effects leave.
 const CURVE: f64 = 0.5;
 /// So large a share of the gap may be left of an effect whose law has another shape than the library's; what several leave
 /// adds up in squares. By docs/measured.md friction leaves 32 % on a slide; by docs/hidden-effects.md ten of 130 unknown effects get

@@ -5,6 +5,7 @@ use crate::design::discriminating_experiment::Separating;
 use crate::effects::candidate::Candidate;
 use crate::effects::places::Places;
 use crate::fit::fitted_model::Stage;
+use crate::fit::overload::RecordOverload;
 use crate::fit::starts::Agreement;
 use crate::fit::step_size::Fineness;
 use crate::localise::force::Whereabouts;
@@ -28,8 +29,8 @@ pub struct Outcome {
     pub rounds: Vec<Round>,
     /// What was taken in the first of these rounds.
     pub effects: Vec<Candidate>,
-    /// Which amplifier of the patch that is told of is overloaded, in a sentence, if one is.
-    pub overload: Option<String>,
+    /// Which amplifier of the patch that is told of is overloaded first, if one is.
+    pub overload: Option<RecordOverload>,
     /// How it came there, change by change.
     pub way: Vec<Change>,
     /// The patch with all that was taken, fitted.
@@ -71,8 +72,8 @@ impl Outcome {
     }
 }
 
-/// What leaves structure, one effect more than this share of the gap, explains in part what may be no effect of the library, unless it
-/// is one alone that stands out:
+/// If named effects leave structure, and more than this share of the gap in rms, they may explain only in part what is no effect of
+/// the library.
 const CLEAR: f64 = 0.1;
 
 /// The rounds that took something.

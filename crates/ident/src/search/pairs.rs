@@ -7,6 +7,7 @@ use crate::residuals::residual_analysis::is_drive_noise;
 use crate::search::means::Means;
 use crate::search::progress::Progress;
 use crate::search::refinement::refine;
+use crate::search::search_log::Action;
 use crate::search::state::Come;
 use crate::search::trials::run_round;
 
@@ -24,7 +25,7 @@ pub(crate) fn search_pairs(
         if pair.effects.len() > 1 && pair.all_hold() && !pair.stage.leaves_structure() {
             return Ok(pair);
         }
-        come = come.after(&pair, "back, as no two hold together and leave but noise");
+        come = come.after(&pair, Action::BacktrackFromPair);
     }
     Ok(come)
 }

@@ -16,6 +16,7 @@ use crate::fit::schedule::Effort;
 use crate::search::means::Means;
 use crate::search::progress::Progress;
 use crate::search::round::LEAST_CLOSED;
+use crate::search::search_log::Action;
 use crate::search::state::Come;
 use crate::search::trials::Found;
 use crate::search::trials::run_round;
@@ -58,7 +59,7 @@ pub(crate) fn refine(
     // The same effects may have come to less before they were looked at one by one.
     if come.has_the_effects_of(&begun) && begun.stage.train.chi2 < come.stage.train.chi2 {
         (come.effects, come.stage) = (begun.effects, begun.stage);
-        come.did("the same, as it was before that");
+        come.did(Action::RestoreFit);
     }
     Ok(come)
 }
@@ -187,7 +188,7 @@ mod tests {
         let kept = backward_eliminate(&problem, &base, come, &with).unwrap();
         let names: Vec<&str> = kept.effects.iter().map(|own| own.effect.as_str()).collect();
         assert_eq!((names, kept.rounds.len()), (vec!["constant-bias"], 1));
-        assert!(kept.way.last().unwrap().did.ends_with(" is dropped"), "{:?}", kept.way);
+        assert!(matches!(kept.way.last().unwrap().did, Action::Drop(_)), "{:?}", kept.way);
         assert!(kept.stage.known.iter().all(|known| known.error.is_finite()));
     }
 }

@@ -52,7 +52,7 @@ pub struct Round {
 /// Where a trial leaves but noise, so much on what is held back at most, in squares, all that it gains there is its own doing.
 const NOISE: f64 = 1.2;
 
-/// and by a score of so much.
+/// A trial that fits more numbers than the best is a rival only if its score is lower by less than this.
 const APART_BY: f64 = 6.0;
 /// What stands less than so many standard errors above its alias is that.
 const NO_ALIAS: f64 = 1.0;

@@ -3,7 +3,7 @@
 use crate::effects::candidate::Candidate;
 use crate::fit::fitted_model::Stage;
 use crate::search::round::{Round, Trial};
-use crate::search::search_log::Change;
+use crate::search::search_log::{Action, Change};
 
 /// Two effects are sought at once only where so much is left, in sigmas rms: of many pairs one follows what little is left by chance.
 const HOPED_FROM: f64 = 1.0;
@@ -24,13 +24,13 @@ pub(crate) struct Come {
 impl Come {
     /// Nothing tried yet.
     pub fn begun(base: Stage) -> Come {
-        let way = vec![Change::new("the patch as it was", &[], &base)];
+        let way = vec![Change::new(Action::FitPatch, &[], &base)];
         Come { rounds: Vec::new(), effects: Vec::new(), stage: base, way }
     }
 
     /// Notes what was done to come here.
-    pub fn did(&mut self, what: impl Into<String>) {
-        self.way.push(Change::new(what, &self.effects, &self.stage));
+    pub fn did(&mut self, action: Action) {
+        self.way.push(Change::new(action, &self.effects, &self.stage));
     }
 
     /// The same with a round that took nothing.
@@ -45,13 +45,13 @@ impl Come {
         if self.effects.len() > before.effects.len() && self.all_hold() {
             return self;
         }
-        before.after(&self, "back, as more effects do not hold together")
+        before.after(&self, Action::BacktrackFromMore)
     }
 
     /// Here again from where another way led.
-    pub fn after(mut self, other: &Come, did: &str) -> Come {
+    pub fn after(mut self, other: &Come, action: Action) -> Come {
         self.way = other.way.clone();
-        self.did(did);
+        self.did(action);
         self
     }
 
@@ -71,9 +71,9 @@ impl Come {
     /// The same as if the trial in a place of its first round had been taken.
     pub fn hoping(&self, place: usize) -> Come {
         let Trial { candidate, stage, .. } = self.rounds[0].trials[place].clone();
-        let did = format!("{} is gone on from, as of two effects one may hide the other", candidate.named());
+        let action = Action::TryInPair(candidate.named());
         let mut hope = Come { effects: vec![candidate], stage, ..self.clone() };
-        hope.did(did);
+        hope.did(action);
         hope
     }
 
@@ -84,11 +84,13 @@ impl Come {
         let is_taken = best.is_some();
         if let Some(best) = best {
             let is_sure = self.rounds.last().is_some_and(|round| round.taken);
-            let how = if is_sure { "is taken" } else { "is gone on from, not confirmed by itself" };
-            let did = format!("{} {how}", best.named());
+            let action = match is_sure {
+                true => Action::Take(best.named()),
+                false => Action::ContinueUnconfirmed(best.named()),
+            };
             self.effects.push(best.candidate);
             self.stage = best.stage;
-            self.did(did);
+            self.did(action);
         }
         is_taken
     }
@@ -103,7 +105,7 @@ impl Come {
         } else {
             self.stage = better;
         }
-        self.did("the same, fitted better from where a trial had come to");
+        self.did(Action::RefitFromTrial);
         true
     }
 
@@ -118,20 +120,20 @@ impl Come {
         self.rounds.remove(place);
         let dropped = self.effects[place].named();
         (self.effects, self.stage) = (others, without);
-        self.did(format!("{dropped} is dropped"));
+        self.did(Action::Drop(dropped));
     }
 
     /// Another round in a place, found beside the others.
     pub fn replace(&mut self, place: usize, others: Vec<Candidate>, round: Round) {
         let best = round.trials[0].clone();
-        let did = match best.candidate.is_same(&self.effects[place]) {
-            true => format!("{} is looked at again beside the others, and stays", best.named()),
-            false => format!("{} takes the place of {}", best.named(), self.effects[place].named()),
+        let action = match best.candidate.is_same(&self.effects[place]) {
+            true => Action::Keep(best.named()),
+            false => Action::Replace { by: best.named(), replaced: self.effects[place].named() },
         };
         self.effects = others;
         self.effects.insert(place, best.candidate);
         self.stage = best.stage;
         self.rounds[place] = round;
-        self.did(did);
+        self.did(action);
     }
 }

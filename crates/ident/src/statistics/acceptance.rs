@@ -30,7 +30,7 @@ const TRIED: f64 = 2.0;
 /// What is held back must be explained better by so many standard errors.
 pub(crate) const CONFIRMED: f64 = 2.0;
 
-/// A rival is behind if it lies so many standard errors behind,
+/// A rival is behind the best trial if the data held back say so by this many standard errors.
 pub(crate) const APART: f64 = 2.5;
 
 /// The score that the best of so many must have.

@@ -1,12 +1,7 @@
 //! The weakest effect of a kind, at a place, that data would have shown.
 
-use serde_json::{Value, json};
-
-use crate::effects::Library;
 use crate::fit::extended_model::LeftOut;
 use crate::fit::parameter_values::ParameterValues;
-use patchcord_analysis::instruments::number;
-use patchcord_core::document::behind;
 
 /// The weakest effect of a kind, at a place, that data would have shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,45 +42,14 @@ impl Limit {
         is_there && self.effect == other.effect && self.parameter == other.parameter
     }
 
-    /// The same in words; nothing where the data could not show the effect at all.
-    pub fn sentence(&self) -> Option<String> {
-        let told = self.told()?;
-        Some(format!("the weakest {} that would have shown has {} = {told}", self.named(), self.parameter))
-    }
-
     /// The effect and where it acts.
     pub fn named(&self) -> String {
         format!("{} at {}", self.effect, self.junction)
     }
 
-    /// Its value with its unit.
-    pub fn told(&self) -> Option<String> {
-        self.value.map(|value| format!("{}{}", number(value), behind(&self.unit)))
-    }
-
-    /// What data must hold for the effect to be judged, behind a semicolon; nothing where the library does not have it.
-    pub fn needs(&self, library: &Library) -> String {
-        let effect = library.get(&self.effect);
-        effect.map(|own| format!("; needs: {}", own.excitation)).unwrap_or_default()
-    }
-
     /// Whether the data could show the effect at all.
     pub fn is_seen(&self) -> bool {
         self.value.is_some()
-    }
-
-    /// The same as a JSON document.
-    pub fn document(&self) -> Value {
-        let mut document = json!({
-            "name": self.effect, "junction": self.junction, "reads": self.reads,
-            "parameter": self.parameter, "seen": self.is_seen(),
-        });
-        if let Some(value) = self.value {
-            document["value"] = json!(value);
-            document["unit"] = json!(self.unit);
-            document["with"] = self.beside.document().into();
-        }
-        document
     }
 }
 

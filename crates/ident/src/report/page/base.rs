@@ -1,5 +1,6 @@
 //! The patch as it is, fitted.
 
+use crate::report::fit_quality::starts_sentence;
 use crate::report::page::context::Told;
 use crate::report::page::sheet::{over_noise, parameters, table};
 use crate::residuals::correlation::{Correlation, Lagged};
@@ -16,7 +17,7 @@ pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
         escaped(told.experiment.patch.file()),
         over_noise(&stage.train),
         over_noise(&stage.test),
-        told.outcome.agreement.sentence(),
+        starts_sentence(&told.outcome.agreement),
         parameters(told.outcome, stage),
         told.pictures(&[("the patch as it is", stage)])?,
         goes_with(&told.outcome.correlations)

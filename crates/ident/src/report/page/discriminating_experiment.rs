@@ -1,5 +1,6 @@
 //! The experiment that would tell two effects apart.
 
+use crate::report::discriminating_experiment::experiment_sentence;
 use crate::search::outcome::Outcome;
 use patchcord_draw::html::escaped;
 
@@ -11,6 +12,6 @@ pub(super) fn section(outcome: &Outcome) -> String {
          one of them is fitted to what the other predicts. <a href=\"separate.csv\">separate.csv</a> has the drive and both predictions.</p>\n</section>\n",
         escaped(one),
         escaped(other),
-        escaped(&found.sentence())
+        escaped(&experiment_sentence(found))
     )
 }

@@ -1,5 +1,7 @@
 //! Before and after.
 
+use crate::report::doubts::doubts;
+use crate::report::fit_quality::steps_sentence;
 use crate::report::page::context::Told;
 use crate::report::page::sheet::{over_noise, parameters, table};
 use patchcord_analysis::instruments::number;
@@ -18,8 +20,8 @@ pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
         rows.into_iter(),
     );
     let fineness = &told.outcome.fineness;
-    let fine = fineness.is_enough().then(|| fineness.sentence());
-    let notes = fine.into_iter().chain(told.outcome.doubts(told.experiment));
+    let fine = fineness.is_enough().then(|| steps_sentence(fineness));
+    let notes = fine.into_iter().chain(doubts(told.outcome, told.experiment));
     text.extend(notes.map(|own| format!("<p>{}</p>\n", escaped(&own))));
     if told.outcome.verdict.has_names() {
         text += &parameters(told.outcome, last);

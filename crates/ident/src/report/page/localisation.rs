@@ -1,7 +1,7 @@
 //! Where and when something is missing: junctions beside each other, and the force at the best of them.
 
-use crate::localise::force;
 use crate::localise::force::{Curve, Force, Whereabouts};
+use crate::report::localisation::localisation_sentence;
 use crate::report::page::sheet::{bar, pictures, table};
 use crate::search::outcome::Outcome;
 use crate::statistics::descriptive::{NORMAL_95, ends};
@@ -12,7 +12,7 @@ use patchcord_draw::plot::{Axis, Channel, Picture, PlotError};
 /// The section; nothing where nothing is missing.
 pub(super) fn section(outcome: &Outcome) -> Result<String, PlotError> {
     let found = &outcome.whereabouts;
-    let Some((best, sentence)) = found.first().zip(force::sentence(found)) else {
+    let Some((best, sentence)) = found.first().zip(localisation_sentence(found)) else {
         return Ok(String::new());
     };
     let drawn = over_time(best).chain(ranked(best).map(|curve| over_quantity(best, curve)));

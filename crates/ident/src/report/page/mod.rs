@@ -14,6 +14,7 @@ mod sheet;
 
 use crate::fit::fitted_model::Stage;
 use crate::report::page::sheet::over_noise;
+use crate::report::sentence::verdict_sentence;
 use crate::search::outcome::Outcome;
 use crate::search::verdict::Verdict;
 use patchcord_draw::html;
@@ -34,7 +35,7 @@ pub fn page(told: &Told<'_>) -> Result<String, PlotError> {
     let mut body = format!(
         "<header>\n<h1>{}</h1>\n<p class=\"verdict\">{}</p>\n<p>{}</p>\n</header>\n<main>\n",
         escaped(title),
-        escaped(&told.outcome.sentence()),
+        escaped(&verdict_sentence(told.outcome)),
         escaped(&in_short(told))
     );
     body += &measured::section(told);

@@ -2,6 +2,8 @@
 
 use crate::report::page::context::Told;
 use crate::report::page::sheet::{bar, escaped_text, over_noise, table};
+use crate::report::places::nowhere_sentence;
+use crate::report::rounds::{round_sentence, skipped_trial_sentence, trial_count_text};
 use crate::search::round::{Round, Trial};
 use patchcord_analysis::instruments::number;
 use patchcord_draw::html::escaped;
@@ -10,13 +12,13 @@ use patchcord_draw::plot::PlotError;
 /// The section of the round at a place, counted from 1.
 pub(super) fn section(told: &Told<'_>, place: usize, round: &Round) -> Result<String, PlotError> {
     let Some(best) = round.trials.first() else { return Ok(String::new()) };
-    let nowhere = told.outcome.places.nowhere_told().filter(|_| place == 1);
+    let nowhere = nowhere_sentence(&told.outcome.places).filter(|_| place == 1);
     let nowhere = nowhere.map(|own| format!("<p>{}</p>\n", escaped(&own))).unwrap_or_default();
     Ok(format!(
         "<section>\n<h2>Round {place}: {}</h2>\n<p class=\"reading\">{}</p>\n{}{}\
          <details open><summary>All of them; a score of {} is needed</summary>\n{}{}{nowhere}</details>\n</section>\n",
-        round.tried_told(),
-        escaped(&told.outcome.round_told(round)),
+        trial_count_text(round),
+        escaped(&round_sentence(told.outcome, round)),
         effect(told, best),
         told.pictures(&[("before", &round.before), (&best.named(), &best.stage)])?,
         number(round.needed),
@@ -56,7 +58,7 @@ fn trials(round: &Round) -> String {
 
 /// What was not tried, and why; nothing where everything was.
 fn left_out(round: &Round) -> String {
-    round.left_out.iter().map(|own| format!("<p>{}</p>\n", escaped(&own.sentence()))).collect()
+    round.left_out.iter().map(|own| format!("<p>{}</p>\n", escaped(&skipped_trial_sentence(own)))).collect()
 }
 
 /// Why a trial is not the one.

@@ -1,6 +1,7 @@
 //! The way of the search, change by change.
 
 use crate::report::page::sheet::table;
+use crate::report::search_log::action_text;
 use crate::search::outcome::Outcome;
 use patchcord_analysis::instruments::number;
 use patchcord_draw::html::escaped;
@@ -14,7 +15,7 @@ pub(super) fn section(outcome: &Outcome) -> String {
     let rows = outcome.way.iter().enumerate().map(|(place, change)| {
         let [train, test] = change.left.map(number);
         let stands = escaped(&change.effects.join(", "));
-        (place == last, vec![escaped(&change.did), stands, train, test])
+        (place == last, vec![escaped(&action_text(&change.did)), stands, train, test])
     });
     let headings = ["what was done", "what stands beside the patch then", "training", "held back"];
     format!(

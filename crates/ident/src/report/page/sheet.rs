@@ -2,6 +2,7 @@
 
 use crate::fit::estimate::Fitted;
 use crate::fit::fitted_model::Stage;
+use crate::report::values::{error_text, estimate_text, interval_text, owner, undetermined_sentence};
 use crate::search::outcome::Outcome;
 use patchcord_analysis::instruments::number;
 use patchcord_draw::html::escaped;
@@ -45,11 +46,11 @@ pub(super) fn parameters(outcome: &Outcome, stage: &Stage) -> String {
     let rows = stage.version.fit.iter().enumerate().map(|(place, name)| {
         let known = stage.version.patch.parameters.get(name);
         let (unit, what) = known.map_or(("1", ""), |own| (own.unit.text(), own.description.as_str()));
-        let value = stage.number_told(place);
-        let (error, interval) = (stage.error_told(place), stage.interval_told(place));
-        (false, [name, &value, &error, &interval, unit, what, &outcome.owner(name)].map(escaped).into())
+        let value = estimate_text(stage, place);
+        let (error, interval) = (error_text(stage, place), interval_text(stage.known(place)));
+        (false, [name, &value, &error, &interval, unit, what, &owner(outcome, name)].map(escaped).into())
     });
-    let untold = stage.untold().map(|own| format!("<p>{}</p>\n", escaped(&own)));
+    let untold = undetermined_sentence(stage).map(|own| format!("<p>{}</p>\n", escaped(&own)));
     let headings = ["fitted", "value", "standard error", "95 %", "unit", "what it is", "of"];
     table(&headings, rows) + &untold.unwrap_or_default()
 }
