@@ -124,15 +124,22 @@ fn after_generics(text: &str) -> &str {
     end.map_or("", |(at, _)| text[at..].trim_start_matches('>'))
 }
 
-/// A method that a module adds to a type of another would hide that the other calls upwards.
+/// Types of core that a later module constructs, because it needs a circuit: module and type.
+const CONSTRUCTED_ABOVE: [(&str, &str); 2] = [("lower", "Program"), ("run_settings", "RunSettings")];
+
+/// If a module adds methods to a type of another, the other can call upwards without an import.
 #[test]
 fn methods_belong_to_the_module_of_their_type() {
-    for (name, _) in MODULES.into_iter().filter(|(name, _)| *name == "ident") {
+    for (name, _) in MODULES {
         for (module, source) in modules(Path::new(&format!("crates/{name}/src"))) {
             let types = imported_types(&source);
             for own in source.lines().filter_map(implemented) {
                 let of = types.get(own).copied().unwrap_or(module.as_str());
-                assert!(of == module, "{name}: {module} must not add methods to {own}, a type of {of}");
+                let is_known = CONSTRUCTED_ABOVE.contains(&(module.as_str(), own));
+                assert!(
+                    of == module || is_known,
+                    "{name}: {module} must not add methods to {own}, a type of {of}"
+                );
             }
         }
     }

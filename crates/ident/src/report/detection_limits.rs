@@ -51,8 +51,8 @@ impl From<&Limit> for DetectionLimitDocument {
 
 /// The limit in a sentence; None if the data cannot show the effect at all.
 pub fn limit_sentence(limit: &Limit) -> Option<String> {
-    let told = limit_text(limit)?;
-    Some(format!("the weakest {} that would have shown has {} = {told}", limit.named(), limit.parameter))
+    let value = limit_text(limit)?;
+    Some(format!("the weakest {} that would have shown has {} = {value}", limit.named(), limit.parameter))
 }
 
 /// The limit with its unit, for example "0.12 N"; None if the data cannot show the effect at all.

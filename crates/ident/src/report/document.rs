@@ -172,8 +172,9 @@ pub struct DriveDocument {
     pub hold: &'static str,
     /// Standard deviation of its noise, in its unit.
     pub sigma: f64,
-    /// Whether the experiment specifies that, or it is estimated.
-    pub sigma_told: bool,
+    /// Whether the experiment specifies `sigma`; if not, it is estimated.
+    #[serde(rename = "sigma_told")]
+    pub is_sigma_specified: bool,
 }
 
 impl DriveDocument {
@@ -183,7 +184,7 @@ impl DriveDocument {
             unit: feed.unit.text().to_owned(),
             hold: feed.hold.as_str(),
             sigma,
-            sigma_told: feed.sigma.is_some(),
+            is_sigma_specified: feed.sigma.is_some(),
         }
     }
 }
@@ -197,8 +198,9 @@ pub struct OutputDocument {
     pub unit: String,
     /// Standard deviation of its noise, in its unit.
     pub sigma: f64,
-    /// Whether the experiment specifies that, or it is estimated.
-    pub sigma_told: bool,
+    /// Whether the experiment specifies `sigma`; if not, it is estimated.
+    #[serde(rename = "sigma_told")]
+    pub is_sigma_specified: bool,
     /// Whether the column may be off by a constant.
     pub offset: bool,
 }
@@ -209,7 +211,7 @@ impl OutputDocument {
             column: output.column.clone(),
             unit: output.unit.text().to_owned(),
             sigma,
-            sigma_told: output.sigma.is_some(),
+            is_sigma_specified: output.sigma.is_some(),
             offset: output.offset,
         }
     }

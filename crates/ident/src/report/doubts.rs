@@ -21,9 +21,9 @@ use patchcord_core::document::behind;
 /// What is left is as large as the noise, unless that is told too large: by so much less it is not by chance.
 const FAR_LESS: f64 = 0.5;
 
-/// What the reader should doubt, in sentences: ranges at whose end the patch stands, more noise than there can be, a solver that
-/// errs by more than it should, what is left that only looks like noise, integrators without a signal,
-/// and what the experiment was warned of.
+/// What the reader should doubt, a sentence each: parameters at the ends of their ranges, an overloaded amplifier, a residual that is
+/// larger than the verdict says, effects that may be zero, noise that is too large or too small, integrators without a signal, a
+/// solver whose error is too large, and the warnings of the experiment.
 pub fn doubts(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
     let warnings = experiment.warnings.findings.iter();
     let warned = warnings.map(|own| format!("Of the experiment ({}): {}.", own.code.as_str(), own.message));
@@ -44,7 +44,7 @@ pub fn doubts(outcome: &Outcome, experiment: &Experiment) -> Vec<String> {
 
 /// Which parameters of the patch stand at an end of their ranges: as it was, or beside what is named.
 fn at_ends(outcome: &Outcome) -> Vec<String> {
-    let told = |stage: &Stage, place: usize| {
+    let at_end = |stage: &Stage, place: usize| {
         let (name, value) = (&stage.version.fit[place], estimate_text(stage, place));
         format!("{name} at the end of its range, {value}{}", behind(stage.unit(place)))
     };
@@ -55,7 +55,7 @@ fn at_ends(outcome: &Outcome) -> Vec<String> {
         outcome.base.at_end().filter(|place| is_missing || outcome.base.train.point.knobs[*place] != 0.0);
     let doubted = doubted.filter(|place| !beyond.contains(place));
     let before = doubted.map(|place| {
-        let at = told(&outcome.base, place);
+        let at = at_end(&outcome.base, place);
         match (is_missing, outcome.base.train.point.knobs[place] == 0.0) {
             (false, _) => format!(
                 "The patch is fitted best with {at}: that value may stand in for something that is missing."
@@ -66,7 +66,7 @@ fn at_ends(outcome: &Outcome) -> Vec<String> {
     });
     let beside =
         outcome.last.newly_at_end(&outcome.base).filter(|_| outcome.verdict.has_names()).map(|place| {
-            let at = told(&outcome.last, place);
+            let at = at_end(&outcome.last, place);
             format!("Beside what is named the patch is fitted best with {at}: nature's law may be another.")
         });
     let named = outcome.effects.iter().filter(|_| outcome.verdict.has_names());

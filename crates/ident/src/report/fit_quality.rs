@@ -103,17 +103,13 @@ pub fn overload_sentence(overload: &RecordOverload) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::base_fit::fit_base;
-    use crate::fit::starts::agreement_of_starts;
-    use crate::fit::step_size::tests::decay;
+    use crate::fit::parameter_values::ParameterValues;
 
     #[test]
-    fn where_a_better_fit_begins_is_told() {
-        let (patch, fit, problem) = decay(1e-3, 32);
-        let mut stage = fit_base(&problem, &patch, &fit, 1).unwrap().unwrap();
-        // As of a fit that stayed where it began.
-        stage.train.chi2 = 1e9;
-        let better = agreement_of_starts(&problem, &stage, 1).unwrap();
+    fn the_values_of_a_better_fit_are_reported() {
+        let values = ParameterValues(vec![("rate".to_owned(), 2.0, "1".to_owned())]);
+        let better =
+            Agreement { tried: 1, left: 1.0, is_same: false, is_better: true, values, in_pieces: false };
         let sentence = starts_sentence(&better);
         assert!(sentence.contains("with rate = 2: "), "{sentence}");
     }

@@ -1,6 +1,6 @@
 //! Reports of a search: sentences, the JSON document, the page, and the patches that it leaves.
 //!
-//! Everything that a reader or a program is told is made here, from the results of the folders below: each file has the
+//! Every text and document for a reader or a program is made here, from the results of the folders below: each file has the
 //! sentences and the documents of one kind of result. A [`Report`] joins the outcome of a search with its experiment and its
 //! problem and gives the whole.
 
@@ -76,7 +76,7 @@ impl<'a> Report<'a> {
     /// The patch as it was, fitted, as one of this file.
     ///
     /// # Errors
-    /// None that is known: what is edited stands in the patch.
+    /// If an edit is refused. All edits are of entries that the patch has.
     pub fn fitted(&self, file: &str) -> Result<Patch, ModelError> {
         fitted_patch(self.outcome, self.experiment, file)
     }
@@ -84,7 +84,7 @@ impl<'a> Report<'a> {
     /// The patch with the effects that are named, as one of this file; None if none is named.
     ///
     /// # Errors
-    /// None that is known: what is edited stands in the patch.
+    /// If an edit is refused. All edits are of entries that the patch has.
     pub fn augmented(&self, file: &str) -> Result<Option<Patch>, ModelError> {
         augmented_patch(self.outcome, self.experiment, file)
     }
@@ -92,7 +92,7 @@ impl<'a> Report<'a> {
     /// The patch with the force that closes its gap best, as one of this file; None unless something is missing that has no name.
     ///
     /// # Errors
-    /// None that is known: what is edited stands in the patch.
+    /// If an edit is refused. All edits are of entries that the patch has.
     pub fn recovered(&self, file: &str) -> Result<Option<Patch>, ModelError> {
         recovered_patch(self.outcome, self.experiment, file)
     }
@@ -105,9 +105,8 @@ impl<'a> Report<'a> {
     /// The report as one HTML page; `library` has the effects that were tried.
     ///
     /// # Errors
-    /// When a picture cannot be drawn.
+    /// If a picture cannot be drawn.
     pub fn page(&self, library: &Library) -> Result<String, PlotError> {
-        let Report { experiment, problem, outcome } = *self;
-        page::page(&page::Told { experiment, problem, outcome, library })
+        page::page(self, library)
     }
 }

@@ -22,16 +22,16 @@ use patchcord_core::patch::{Edit, Patch};
 /// The patch as it was, with every parameter at its fitted value.
 ///
 /// # Errors
-/// None that is known: what is edited stands in the patch.
+/// If an edit is refused. All edits are of entries that the patch has.
 pub fn fitted_patch(outcome: &Outcome, experiment: &Experiment, file: &str) -> Result<Patch, ModelError> {
     let told = format!("fitted. {}", left(&outcome.base));
     finished(&standing(&outcome.base)?, experiment, &told, file)
 }
 
-/// The same with the effects that are named; nothing where none is.
+/// The patch with the effects that are named, at their fitted values; `None` if none is named.
 ///
 /// # Errors
-/// None that is known: what is edited stands in the patch.
+/// If an edit is refused. All edits are of entries that the patch has.
 pub fn augmented_patch(
     outcome: &Outcome,
     experiment: &Experiment,
@@ -45,10 +45,10 @@ pub fn augmented_patch(
     finished(&standing(outcome.told())?, experiment, &told, file).map(Some)
 }
 
-/// The patch as it was with the force that closes its gap best, where something is missing that has no name.
+/// The patch with the force that closes its gap best; `None` unless something is missing that has no name.
 ///
 /// # Errors
-/// None that is known: what is edited stands in the patch.
+/// If an edit is refused. All edits are of entries that the patch has.
 pub fn recovered_patch(
     outcome: &Outcome,
     experiment: &Experiment,

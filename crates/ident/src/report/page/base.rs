@@ -1,26 +1,27 @@
 //! The patch as it is, fitted.
 
+use crate::report::Report;
 use crate::report::fit_quality::starts_sentence;
-use crate::report::page::context::Told;
+use crate::report::page::courses::pictures;
 use crate::report::page::sheet::{over_noise, parameters, table};
 use crate::residuals::correlation::{Correlation, Lagged};
 use patchcord_analysis::instruments::number;
 use patchcord_draw::html::escaped;
 use patchcord_draw::plot::PlotError;
 
-pub(super) fn section(told: &Told<'_>) -> Result<String, PlotError> {
-    let stage = &told.outcome.base;
+pub(super) fn section(report: &Report<'_>) -> Result<String, PlotError> {
+    let stage = &report.outcome.base;
     Ok(format!(
         "<section>\n<h2>The patch as it is</h2>\n<p>{} is fitted to the training data: its parameters, and the voltages with which its integrators begin. \
          So it stands in <a href=\"fitted.json\">fitted.json</a>. \
          What it leaves is {} times the noise (rms); on the data held back, where only those voltages and declared offsets are fitted, {}. Besides, {}.</p>\n{}{}{}</section>\n",
-        escaped(told.experiment.patch.file()),
+        escaped(report.experiment.patch.file()),
         over_noise(&stage.train),
         over_noise(&stage.test),
-        starts_sentence(&told.outcome.agreement),
-        parameters(told.outcome, stage),
-        told.pictures(&[("the patch as it is", stage)])?,
-        goes_with(&told.outcome.correlations)
+        starts_sentence(&report.outcome.agreement),
+        parameters(report.outcome, stage),
+        pictures(report, &[("the patch as it is", stage)])?,
+        goes_with(&report.outcome.correlations)
     ))
 }
 

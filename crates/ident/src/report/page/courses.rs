@@ -3,52 +3,49 @@
 use crate::data::record::Record;
 use crate::fit::estimate::Fitted;
 use crate::fit::fitted_model::Stage;
-use crate::report::page::context::Told;
+use crate::fit::problem::Problem;
+use crate::report::Report;
 use crate::report::page::sheet;
 use patchcord_draw::plot::{Axis, Channel, Picture, PlotError};
 
-impl Told<'_> {
-    /// Pictures of what was measured and of what stages make of it, then of what they leave, of every output.
-    pub(super) fn pictures(&self, stages: &[(&str, &Stage)]) -> Result<String, PlotError> {
-        let outputs = (0..self.problem.outputs.len()).flat_map(|output| [(output, false), (output, true)]);
-        sheet::pictures(
-            outputs.flat_map(|(output, held)| {
-                [self.courses(output, stages, held), self.left(output, stages, held)]
-            }),
-        )
-    }
+/// Pictures of what was measured and of what stages make of it, then of what they leave, of every output.
+pub(super) fn pictures(report: &Report<'_>, stages: &[(&str, &Stage)]) -> Result<String, PlotError> {
+    let outputs = (0..report.problem.outputs.len()).flat_map(|output| [(output, false), (output, true)]);
+    sheet::pictures(outputs.flat_map(|(output, held)| {
+        [courses(report, output, stages, held), left(report, output, stages, held)]
+    }))
+}
 
-    /// An output as it was measured, and as stages make it.
-    fn courses(&self, output: usize, stages: &[(&str, &Stage)], held: bool) -> Picture {
-        let name = &self.problem.outputs[output];
-        let records = self.records(held);
-        let measured: Vec<&[f64]> = records.iter().map(|record| record.outputs[output].as_slice()).collect();
-        let mut channels = vec![Channel::line("measured", along(records, &measured))];
-        for (what, stage) in stages {
-            let each = records.iter().zip(&fitted(stage, held).residuals);
-            let made: Vec<Vec<f64>> =
-                each.map(|(record, left)| self.problem.made(record, left, output)).collect();
-            channels.push(Channel::line(*what, along(records, &made)));
-        }
-        let unit = self.experiment.outputs[output].unit.text();
-        drawn(format!("{name}, {}", part(held)), (name, unit), channels)
+/// An output as it was measured, and as stages make it.
+fn courses(report: &Report<'_>, output: usize, stages: &[(&str, &Stage)], held: bool) -> Picture {
+    let name = &report.problem.outputs[output];
+    let records = records(report.problem, held);
+    let measured: Vec<&[f64]> = records.iter().map(|record| record.outputs[output].as_slice()).collect();
+    let mut channels = vec![Channel::line("measured", along(records, &measured))];
+    for (what, stage) in stages {
+        let each = records.iter().zip(&fitted(stage, held).residuals);
+        let made: Vec<Vec<f64>> =
+            each.map(|(record, left)| report.problem.made(record, left, output)).collect();
+        channels.push(Channel::line(*what, along(records, &made)));
     }
+    let unit = report.experiment.outputs[output].unit.text();
+    drawn(format!("{name}, {}", part(held)), (name, unit), channels)
+}
 
-    /// What stages leave of an output, in noise.
-    fn left(&self, output: usize, stages: &[(&str, &Stage)], held: bool) -> Picture {
-        let records = self.records(held);
-        let channels = stages.iter().map(|(what, stage)| {
-            let left: Vec<&[f64]> =
-                fitted(stage, held).residuals.iter().map(|own| own[output].as_slice()).collect();
-            Channel::line(*what, along(records, &left))
-        });
-        let title = format!("what is left of {}, {}", self.problem.outputs[output], part(held));
-        drawn(title, ("measured less patch", "noise"), channels.collect())
-    }
+/// What stages leave of an output, in noise.
+fn left(report: &Report<'_>, output: usize, stages: &[(&str, &Stage)], held: bool) -> Picture {
+    let records = records(report.problem, held);
+    let channels = stages.iter().map(|(what, stage)| {
+        let left: Vec<&[f64]> =
+            fitted(stage, held).residuals.iter().map(|own| own[output].as_slice()).collect();
+        Channel::line(*what, along(records, &left))
+    });
+    let title = format!("what is left of {}, {}", report.problem.outputs[output], part(held));
+    drawn(title, ("measured less patch", "noise"), channels.collect())
+}
 
-    fn records(&self, held: bool) -> &[Record] {
-        if held { &self.problem.test } else { &self.problem.train }
-    }
+fn records<'a>(problem: &'a Problem, held: bool) -> &'a [Record] {
+    if held { &problem.test } else { &problem.train }
 }
 
 fn fitted(stage: &Stage, held: bool) -> &Fitted {

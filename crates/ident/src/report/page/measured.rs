@@ -2,14 +2,14 @@
 
 use crate::data::columns::columns;
 use crate::data::experiment::Experiment;
-use crate::report::page::context::Told;
+use crate::report::Report;
 use crate::report::page::sheet::{escaped_text, table};
 use patchcord_analysis::instruments::number;
 use patchcord_draw::html::escaped;
 use patchcord_expr::Unit;
 
-pub(super) fn section(told: &Told<'_>) -> String {
-    let Told { experiment, problem, .. } = told;
+pub(super) fn section(report: &Report<'_>) -> String {
+    let Report { experiment, problem, .. } = report;
     let row = |name, column, sigma: f64, unit: &Unit, whence| {
         (false, [name, column, &number(sigma), unit.text(), whence].map(escaped_text).to_vec())
     };

@@ -1,7 +1,6 @@
 //! What a search did, step by step, with pictures: one HTML file that needs no other.
 
 mod base;
-mod context;
 mod courses;
 mod detectability;
 mod discriminating_experiment;
@@ -12,51 +11,50 @@ mod round;
 mod search_log;
 mod sheet;
 
+use crate::effects::Library;
 use crate::fit::fitted_model::Stage;
+use crate::report::Report;
 use crate::report::page::sheet::over_noise;
-use crate::report::sentence::verdict_sentence;
 use crate::search::outcome::Outcome;
 use crate::search::verdict::Verdict;
 use patchcord_draw::html;
 use patchcord_draw::html::escaped;
 use patchcord_draw::plot::PlotError;
 
-pub use context::Told;
-
-/// The page.
+/// The page of a report; `library` has the effects that were tried.
 ///
 /// # Errors
-/// When a picture cannot be drawn.
-pub fn page(told: &Told<'_>) -> Result<String, PlotError> {
-    let title = match told.experiment.title.as_str() {
-        "" => &told.experiment.file,
+/// If a picture cannot be drawn.
+pub(super) fn page(report: &Report<'_>, library: &Library) -> Result<String, PlotError> {
+    let title = match report.experiment.title.as_str() {
+        "" => &report.experiment.file,
         title => title,
     };
     let mut body = format!(
         "<header>\n<h1>{}</h1>\n<p class=\"verdict\">{}</p>\n<p>{}</p>\n</header>\n<main>\n",
         escaped(title),
-        escaped(&verdict_sentence(told.outcome)),
-        escaped(&in_short(told))
+        escaped(&report.sentence()),
+        escaped(&in_short(report))
     );
-    body += &measured::section(told);
-    body += &base::section(told)?;
-    body += &localisation::section(told.outcome)?;
-    body += &search_log::section(told.outcome);
-    for (place, round) in told.outcome.rounds.iter().enumerate() {
-        body += &round::section(told, place + 1, round)?;
+    body += &measured::section(report);
+    body += &base::section(report)?;
+    body += &localisation::section(report.outcome)?;
+    body += &search_log::section(report.outcome);
+    for (place, round) in report.outcome.rounds.iter().enumerate() {
+        body += &round::section(report, library, place + 1, round)?;
     }
-    body += &end::section(told)?;
-    body += &discriminating_experiment::section(told.outcome);
-    if !told.outcome.limits.is_empty() {
-        body += &detectability::section(&told.outcome.limits, told.library);
+    body += &end::section(report)?;
+    body += &discriminating_experiment::section(report.outcome);
+    if !report.outcome.limits.is_empty() {
+        body += &detectability::section(&report.outcome.limits, library);
     }
     body += "</main>\n";
     Ok(html::page(title, &body))
 }
 
-fn in_short(told: &Told<'_>) -> String {
-    let Outcome { base, .. } = told.outcome;
-    let after = told.outcome.told();
+fn in_short(report: &Report<'_>) -> String {
+    let Outcome { base, .. } = report.outcome;
+    let after = report.outcome.told();
     let gap = |stage: &Stage| {
         format!(
             "{} times the noise in training, {} on data held back",
@@ -64,7 +62,7 @@ fn in_short(told: &Told<'_>) -> String {
             over_noise(&stage.test)
         )
     };
-    match told.outcome.verdict {
+    match report.outcome.verdict {
         Verdict::Named | Verdict::Ambiguous => {
             format!(
                 "The patch as it was leaves {}. With what is missing it leaves {}.",

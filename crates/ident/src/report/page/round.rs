@@ -1,6 +1,8 @@
 //! A round of the search: what was tried, and why the best was taken or not.
 
-use crate::report::page::context::Told;
+use crate::effects::Library;
+use crate::report::Report;
+use crate::report::page::courses::pictures;
 use crate::report::page::sheet::{bar, escaped_text, over_noise, table};
 use crate::report::places::nowhere_sentence;
 use crate::report::rounds::{round_sentence, skipped_trial_sentence, trial_count_text};
@@ -10,17 +12,22 @@ use patchcord_draw::html::escaped;
 use patchcord_draw::plot::PlotError;
 
 /// The section of the round at a place, counted from 1.
-pub(super) fn section(told: &Told<'_>, place: usize, round: &Round) -> Result<String, PlotError> {
+pub(super) fn section(
+    report: &Report<'_>,
+    library: &Library,
+    place: usize,
+    round: &Round,
+) -> Result<String, PlotError> {
     let Some(best) = round.trials.first() else { return Ok(String::new()) };
-    let nowhere = nowhere_sentence(&told.outcome.places).filter(|_| place == 1);
+    let nowhere = nowhere_sentence(&report.outcome.places).filter(|_| place == 1);
     let nowhere = nowhere.map(|own| format!("<p>{}</p>\n", escaped(&own))).unwrap_or_default();
     Ok(format!(
         "<section>\n<h2>Round {place}: {}</h2>\n<p class=\"reading\">{}</p>\n{}{}\
          <details open><summary>All of them; a score of {} is needed</summary>\n{}{}{nowhere}</details>\n</section>\n",
         trial_count_text(round),
-        escaped(&round_sentence(told.outcome, round)),
-        effect(told, best),
-        told.pictures(&[("before", &round.before), (&best.named(), &best.stage)])?,
+        escaped(&round_sentence(report.outcome, round)),
+        effect(library, best),
+        pictures(report, &[("before", &round.before), (&best.named(), &best.stage)])?,
         number(round.needed),
         trials(round),
         left_out(round)
@@ -28,8 +35,8 @@ pub(super) fn section(told: &Told<'_>, place: usize, round: &Round) -> Result<St
 }
 
 /// The physics of the best.
-fn effect(told: &Told<'_>, best: &Trial) -> String {
-    let Some(effect) = told.library.get(&best.candidate.effect) else { return String::new() };
+fn effect(library: &Library, best: &Trial) -> String {
+    let Some(effect) = library.get(&best.candidate.effect) else { return String::new() };
     let [title, physics, law] = [&effect.title, &effect.physics, &effect.law].map(escaped_text);
     format!("<p><b>{title}</b>. {physics} <code>{law}</code></p>\n")
 }
