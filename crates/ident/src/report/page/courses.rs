@@ -44,7 +44,7 @@ fn left(report: &Report<'_>, output: usize, stages: &[(&str, &Stage)], held: boo
     drawn(title, ("measured less patch", "noise"), channels.collect())
 }
 
-fn records<'a>(problem: &'a Problem, held: bool) -> &'a [Record] {
+fn records(problem: &Problem, held: bool) -> &[Record] {
     if held { &problem.test } else { &problem.train }
 }
 
