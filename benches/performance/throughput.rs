@@ -145,8 +145,7 @@ fn share_right(fig: &Fig816, backend: Backend, step: f64, reference: &[f64], thi
 fn velocity(fig: &Fig816, backend: Backend, step: f64, run: usize) -> Vec<f64> {
     let mut program = fig.program.clone();
     let settings = backend.1(fig.compared(Steps::Equal(step)));
-    let trace =
-        solve::preset(&mut program, &values(run)).ok().and_then(|()| solve::run(&program, &settings).ok());
+    let trace = program.set_parameters(values(run)).ok().and_then(|()| solve::run(&program, &settings).ok());
     trace.map_or_else(|| vec![f64::NAN; SAMPLES], |trace| own::velocity(&trace))
 }
 

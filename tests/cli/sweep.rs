@@ -131,7 +131,7 @@ fn a_wrong_command_line_ends_with_2_before_any_run() {
     fs::write(&rows, "K\n20e6\n").unwrap();
     let cases: &[(&[&str], &str)] = &[
         (&["--vary", "VcL=1e-3:2e-3:3"], "VcL is varied twice"),
-        (&["--vary", "Tc=5"], "Tc = 5 s is outside its range 0.001 s ... 1 s"),
+        (&["--vary", "Tc=5"], "Tc = 5 s is outside its range 0.001 ... 1 s"),
         (&["--vary", "Tcc=0.5"], "did you mean \"Tc\"?"),
         (&["--vary", "Tc=1:2"], "\"Tc=1:2\" gives no values"),
         (&["--set", "VcL=1e-3"], "VcL is set and varied"),

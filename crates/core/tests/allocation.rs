@@ -126,7 +126,7 @@ fn steps_side_by_side_allocate_nothing() {
     for (name, patch, (parameter, least, by)) in &cases {
         let mut programs = vec![program(patch, &[]); 16];
         for (run, program) in programs.iter_mut().enumerate() {
-            solve::preset(program, &[(*parameter, least + by * run as f64)]).unwrap();
+            program.set_parameters([(*parameter, least + by * run as f64)]).unwrap();
         }
         for backend in [Backend::Lanes, Backend::Automatic] {
             let settings = RunSettings { backend, ..RunSettings::of(&circuit(patch, &[])).unwrap() };

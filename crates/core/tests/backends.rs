@@ -116,7 +116,7 @@ fn curves_through_points() {
 /// The largest difference between the folded backends and the reference, where two delays are so many steps long.
 fn late(own: &Program, settings: &RunSettings, [t, f]: [f64; 2]) -> f64 {
     let mut program = own.clone();
-    solve::preset(&mut program, &[("T", t * settings.step), ("F", f * settings.step)]).unwrap();
+    program.set_parameters([("T", t * settings.step), ("F", f * settings.step)]).unwrap();
     let (folded, reference) = both(&program, settings);
     // The same was met on the way.
     let [own, other] = [&folded, &reference].map(|trace| trace.sweeps[0].work);

@@ -5,7 +5,7 @@ use serde_json::json;
 
 use crate::common::{built, element, order, patch, program, ran, random_cases, slideway, voltage, volts};
 use patchcord_core::circuit::Circuit;
-use patchcord_core::ir::Program;
+use patchcord_core::ir::{Program, SettingError};
 use patchcord_core::patch::{Patch, PatchBuilder};
 use patchcord_core::solve::{self, Machine, MachineMode, RunError, RunSettings, Stopped};
 use patchcord_core::trace::Trace;
@@ -217,10 +217,19 @@ fn a_refused_change_changes_nothing() {
     let program = program(&patch("delay-line"), &[]);
     let mut machine = ran(&program, 1e-2, 1.5);
     let before = (machine.states().to_vec(), machine.rates().to_vec());
-    assert!(matches!(machine.set("T", 5.0), Err(RunError::OutsideRange { .. })), "outside its range");
-    assert!(matches!(machine.set("T", f64::NAN), Err(RunError::OutsideRange { .. })), "not a number");
-    assert!(matches!(machine.set("nothing", 1.0), Err(RunError::UnknownParameter(_))));
-    assert!(matches!(machine.set_state("A1", 101.0), Err(RunError::OutsideRange { .. })));
+    assert!(
+        matches!(machine.set("T", 5.0), Err(RunError::Setting(SettingError::OutsideRange(_)))),
+        "outside its range"
+    );
+    assert!(
+        matches!(machine.set("T", f64::NAN), Err(RunError::Setting(SettingError::OutsideRange(_)))),
+        "not a number"
+    );
+    assert!(matches!(
+        machine.set("nothing", 1.0),
+        Err(RunError::Setting(SettingError::UnknownParameter { .. }))
+    ));
+    assert!(matches!(machine.set_state("A1", 101.0), Err(RunError::StateOutsideRange { .. })));
     assert!(matches!(machine.set_state("D1", 1.0), Err(RunError::UnknownElement(_))));
     assert_eq!((machine.states(), machine.rates()), (&before.0[..], &before.1[..]));
 }

@@ -207,7 +207,10 @@ fn a_voltage_outside_its_limits_cannot_be_set_by_hand() {
     let mut machine = ran(&program, 1e-2, 0.0);
     machine.set_state("A1", 30.5).unwrap();
     let refused = machine.set_state("A1", 31.0);
-    assert!(matches!(refused, Err(RunError::OutsideRange { low: -20.5, high: 30.5, .. })), "{refused:?}");
+    assert!(
+        matches!(refused, Err(RunError::StateOutsideRange { low: -20.5, high: 30.5, .. })),
+        "{refused:?}"
+    );
     assert_eq!(voltage(&machine, "A1"), 30.5);
 }
 
@@ -245,12 +248,12 @@ fn settings_keep_their_order_when_a_parameter_is_set() {
             ),
     );
     let mut machine = ran(&program, 1e-2, 0.0);
-    let mut told = |changes: &[(&str, f64)]| machine.set_all(changes).unwrap_err().to_string();
+    let mut told = |changes: &[(&str, f64)]| machine.set_parameters(changes).unwrap_err().to_string();
     assert_eq!(told(&[("b", 10.0)]), "R drop_out comes to 10, not below R pull_in at 10");
     assert_eq!(told(&[("a", 31.0)]), "I initial comes to 31, above I limit.upper at 30");
     assert_eq!(told(&[("a", -21.0), ("b", -50.0)]), "I initial comes to -21, below I limit.lower at -20");
     assert_eq!(told(&[("a", 80.0), ("b", 70.0)]), "I initial comes to 80, above I limit.upper at 30");
-    machine.set_all(&[("a", 30.0), ("b", 29.0)]).unwrap();
+    machine.set_parameters(&[("a", 30.0), ("b", 29.0)]).unwrap();
     machine.initial_condition().unwrap();
     assert_eq!(voltage(&machine, "I"), 30.0);
 }

@@ -27,7 +27,7 @@ fn left(patch: Patch, experiment: &Experiment, sigma: &[f64]) -> f64 {
     for (feed, values) in experiment.drives.iter().zip(&record.drives) {
         let points =
             values.iter().enumerate().map(|(sample, value)| [sample as f64 * record.interval, *value]);
-        solve::feed(&mut program, &feed.drive, points.collect()).unwrap();
+        solve::set_drive_table(&mut program, &feed.drive, points.collect()).unwrap();
     }
     let outputs: Vec<String> = experiment.outputs.iter().map(|output| output.signal.clone()).collect();
     let settings = RunSettings {

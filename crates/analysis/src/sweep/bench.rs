@@ -51,25 +51,25 @@ impl<'s> Bench<'s> {
     }
 
     fn run(&mut self, values: &[Vec<f64>]) -> Vec<Result<Trace, RunError>> {
-        let preset: Vec<_> =
-            values.iter().scan(0, |place, values| Some(self.preset(place, values))).collect();
-        let count = preset.iter().filter(|preset| preset.is_ok()).count();
+        let set: Vec<_> =
+            values.iter().scan(0, |place, values| Some(self.set_parameters(place, values))).collect();
+        let count = set.iter().filter(|set| set.is_ok()).count();
         let mut ended = solve::run_abreast(&self.programs[..count], &self.sweep.settings).into_iter();
-        let outcome = |preset: Result<(), RunError>| match preset {
+        let outcome = |set: Result<(), RunError>| match set {
             Ok(()) => Some(ended.next()?.map_err(|stopped| stopped.error)),
             Err(error) => Some(Err(error)),
         };
-        preset.into_iter().filter_map(outcome).collect()
+        set.into_iter().filter_map(outcome).collect()
     }
 
-    /// Turns the pots of the program in a place, and goes on to the next; where they cannot be turned so far the place stays, and
-    /// the next run takes that program.
-    fn preset(&mut self, place: &mut usize, values: &[f64]) -> Result<(), RunError> {
+    /// Sets the parameters of the program at `place`, and moves `place` to the next program. If the parameters cannot have
+    /// these values, `place` stays, and the next run takes that program.
+    fn set_parameters(&mut self, place: &mut usize, values: &[f64]) -> Result<(), RunError> {
         if *place == self.programs.len() {
             self.programs.push(self.sweep.program.clone());
         }
         let changes: Vec<_> = self.sweep.plan.names().zip(values.iter().copied()).collect();
-        solve::preset(&mut self.programs[*place], &changes)?;
+        self.programs[*place].set_parameters(changes)?;
         *place += 1;
         Ok(())
     }

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use patchcord_core::document::told;
+use patchcord_core::document::{RangeViolation, told};
+use patchcord_core::ir::SettingError;
 
 /// What is wrong with a plan.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -37,27 +38,11 @@ pub enum PlanError {
     #[error("{0} has a logarithm above 0 only: space it without \":log\"")]
     NotAboveZero(String),
     /// A parameter that does not exist.
-    #[error("there is no parameter {name} to vary; {hint}")]
-    UnknownParameter {
-        /// The parameter.
-        name: String,
-        /// What may have been meant.
-        hint: String,
-    },
+    #[error(transparent)]
+    Unknown(#[from] SettingError),
     /// A value that the patch does not allow.
-    #[error(
-        "{name} = {value} is outside its range {low} ... {high}: vary it within, or widen the range in the patch"
-    )]
-    OutsideRange {
-        /// The parameter.
-        name: String,
-        /// The value.
-        value: String,
-        /// Least value allowed.
-        low: String,
-        /// Largest value allowed.
-        high: String,
-    },
+    #[error("{0}: vary it within, or widen the range in the patch")]
+    OutsideRange(#[from] RangeViolation),
     /// A parameter that two axes vary.
     #[error("{0} is varied twice")]
     Twice(String),

@@ -1,8 +1,7 @@
 //! The plan of a sweep: which parameters take which values, in which order.
 
 use super::error::PlanError;
-use patchcord_core::document::{suggestion, told};
-use patchcord_core::ir::{ParameterSlot, Program};
+use patchcord_core::ir::{ParameterSlot, Program, SettingError};
 use patchcord_core::trace::number;
 use patchcord_expr::Function;
 
@@ -122,7 +121,7 @@ impl Axis {
         let mut all = points.iter().flat_map(|point| {
             slots.iter().enumerate().map(move |(parameter, slot)| (slot, self.value(*point, parameter)))
         });
-        all.try_for_each(|(slot, value)| in_range(slot, value))
+        all.try_for_each(|(slot, value)| slot.in_si(value).map(drop).map_err(PlanError::from))
     }
 }
 
@@ -151,30 +150,9 @@ fn count_of(name: &str, text: &str) -> Result<u64, PlanError> {
     })
 }
 
-pub(super) fn slot<'p>(program: &'p Program, name: &str) -> Result<&'p ParameterSlot, PlanError> {
-    let found = program.parameters().iter().find(|slot| slot.name == name);
-    found.ok_or_else(|| {
-        let known: Vec<_> = program.parameters().iter().map(|slot| slot.name.as_str()).collect();
-        PlanError::UnknownParameter {
-            name: name.to_owned(),
-            hint: suggestion(name, &known).unwrap_or_else(|| "it has none".to_owned()),
-        }
-    })
-}
-
-pub(super) fn in_range(slot: &ParameterSlot, value: f64) -> Result<(), PlanError> {
-    let (low, high) = slot.range.unwrap_or((f64::MIN, f64::MAX));
-    if low <= value && value <= high {
-        return Ok(());
-    }
-    let unit = if slot.unit == "1" { String::new() } else { format!(" {}", slot.unit) };
-    let told = |value| format!("{}{unit}", told(value));
-    Err(PlanError::OutsideRange {
-        name: slot.name.clone(),
-        value: told(value),
-        low: told(low),
-        high: told(high),
-    })
+/// The parameter of a program that has this name.
+pub(super) fn slot<'p>(program: &'p Program, name: &str) -> Result<&'p ParameterSlot, SettingError> {
+    Ok(&program.parameters()[program.parameter_index(name)?])
 }
 
 impl Plan {
@@ -300,8 +278,8 @@ mod tests {
             (&["VcL=1e-3:2e-3:1e12"], "\"1e12\" points cannot be spaced"),
             (&["VcL=1e-3:2e-3:2.5:log"], "\"2.5\" points cannot be spaced"),
             (&["VcL=0:2e-3:5:log"], "VcL has a logarithm above 0 only"),
-            (&["VLc=1e-3:2e-3:5"], "there is no parameter VLc to vary; did you mean \"VcL\"?"),
-            (&["VcL=1e-3:1:5"], "VcL = 1 m/s is outside its range 0.000254 m/s ... 0.05 m/s"),
+            (&["VLc=1e-3:2e-3:5"], "there is no parameter VLc; did you mean \"VcL\"?"),
+            (&["VcL=1e-3:1:5"], "VcL = 1 m/s is outside its range 0.000254 ... 0.05 m/s"),
             (&["Tc=1e-2,2e-2", "VcL=1e-3,2e-3", "Tc=3e-2"], "Tc is varied twice"),
             (&["VcL=1e-3:2e-3:100000", "Tc=0.01:0.02:100000"], "the plan has more than 1000000000 runs"),
         ];

@@ -6,7 +6,7 @@ use std::path::Path;
 use csv::StringRecord;
 
 use super::error::PlanError;
-use super::plan::{Axis, Values, in_range, slot};
+use super::plan::{Axis, Values, slot};
 use patchcord_core::ir::{ParameterSlot, Program};
 use patchcord_core::output::refusal;
 use patchcord_expr::Unit;
@@ -110,8 +110,10 @@ fn numbers(record: &StringRecord, slots: &[&ParameterSlot]) -> Result<Vec<f64>, 
         let number = number.ok_or_else(|| {
             format!("line {line} has \"{field}\" where a finite number is needed, for {}", slot.name)
         })?;
-        in_range(slot, number).map_err(|error| format!("line {line}: {error}"))?;
-        Ok(number)
+        match slot.in_si(number) {
+            Ok(_) => Ok(number),
+            Err(violation) => Err(format!("line {line}: {}", PlanError::from(violation))),
+        }
     };
     record.iter().zip(slots).map(number).collect()
 }
@@ -145,7 +147,7 @@ mod tests {
         let cases = [
             ("", "FILE: a line of parameters' names is needed"),
             ("VcL\n", "FILE: a line of parameters' names is needed"),
-            ("VLc\n1\n", "FILE: there is no parameter VLc to vary; did you mean \"VcL\"?"),
+            ("VLc\n1\n", "FILE: there is no parameter VLc; did you mean \"VcL\"?"),
             ("VcL,Tc\n1e-3\n", "FILE: line 2 has 1 field, and the line of names 2"),
             ("VcL,Tc\n1e-3,\n", "FILE: line 2 has \"\" where a finite number is needed, for Tc"),
             ("VcL\n1e-3\ninf\n", "FILE: line 3 has \"inf\" where"),

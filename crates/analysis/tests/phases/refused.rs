@@ -2,6 +2,7 @@
 
 use super::{INITIAL, decay, hold, made, repeat, tried};
 use crate::common::element;
+use patchcord_core::ir::SettingError;
 use patchcord_core::patch::PatchBuilder;
 use patchcord_core::solve::{Change, Phase, RunError};
 use patchcord_core::trace::Ending;
@@ -11,7 +12,13 @@ use patchcord_expr::Formula;
 fn what_cannot_be_set_stops_the_run_and_leaves_its_record() {
     let phases = [Phase::operate(0.5), Phase::set_by("start", "level / 50").unwrap(), Phase::operate(0.5)];
     let stopped = tried(&decay(), &phases, 0.25, &["level"]).unwrap_err();
-    assert!(matches!(&stopped.error, RunError::OutsideRange { what, .. } if what == "start"), "{stopped}");
+    assert!(
+        matches!(
+            &stopped.error,
+            RunError::Setting(SettingError::OutsideRange(violation)) if violation.name == "start"
+        ),
+        "{stopped}"
+    );
     assert_eq!((stopped.trace.time.as_slice(), stopped.trace.marks.len()), (&[0.0, 0.25, 0.5][..], 3));
     assert_eq!(stopped.trace.marks[2].ended, Ending::Stopped);
     let pole = Phase::set_by("start", "level * level / (level - level)").unwrap();

@@ -66,7 +66,7 @@ fn runs_compared(files: Vec<PathBuf>) -> usize {
         let turned = [0.05, 0.3, 0.0, 0.15, 0.02, 0.5].map(|toward| {
             let (changes, mut turned) = (near(&patch, toward), own.clone());
             let named: Vec<_> = changes.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-            solve::preset(&mut turned, &named).ok().map(|()| turned)
+            turned.set_parameters(named).ok().map(|()| turned)
         });
         let programs: Vec<_> = turned.into_iter().flatten().collect();
         let settings = some_of(RunSettings::of(&circuit).unwrap(), 6000.0);
@@ -93,7 +93,7 @@ fn random_circuits() {
 fn turned(program: &Program, dice: &mut Dice) -> Program {
     let mut turned = program.clone();
     let values = crate::common::circuits::PARAMETERS.map(|name| (name, dice.even(0.3, 0.9)));
-    solve::preset(&mut turned, &values).unwrap();
+    turned.set_parameters(values).unwrap();
     turned
 }
 
@@ -129,7 +129,7 @@ fn runs_driven_by_points() {
     }
     // Some go through other points, and share their kernels with the rest.
     let mut other = own.clone();
-    solve::feed(
+    solve::set_drive_table(
         &mut other,
         "u",
         (0..200).map(|place| [0.005 * f64::from(place), 0.3 * f64::from(place)]).collect(),
@@ -175,7 +175,7 @@ fn kept_by_a_relay() -> Patch {
 
 fn set(program: &Program, values: &[(&str, f64)]) -> Program {
     let mut program = program.clone();
-    solve::preset(&mut program, values).unwrap();
+    program.set_parameters(values.iter().copied()).unwrap();
     program
 }
 

@@ -65,12 +65,12 @@ fn pots_that_are_turned_give_the_bits_of_a_fresh_program() {
         for toward in [0.05, 0.3, 0.0] {
             let changes = near(&patch, toward);
             let named: Vec<_> = changes.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-            let preset = solve::preset(&mut turned, &named);
+            let set = turned.set_parameters(named);
             let Some((_, fresh)) = program(&patch, &changes) else {
-                assert!(preset.is_err() || solve::run(&turned, &settings).is_err(), "{file:?} {changes:?}");
+                assert!(set.is_err() || solve::run(&turned, &settings).is_err(), "{file:?} {changes:?}");
                 continue;
             };
-            preset.unwrap();
+            set.unwrap();
             assert_eq!(solve::run(&turned, &settings), solve::run(&fresh, &settings), "{file:?} {changes:?}");
             compared += 1;
         }

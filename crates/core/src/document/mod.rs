@@ -10,6 +10,7 @@ mod kind;
 mod misfit;
 mod phase;
 mod places;
+mod range_violation;
 pub mod tree;
 mod values;
 
@@ -21,6 +22,7 @@ pub use kind::DocumentKind;
 pub use misfit::{in_formula, misfit};
 pub(crate) use phase::Extent;
 pub use phase::{Change, Phase, Until};
+pub use range_violation::{RangeViolation, parameter_in_si};
 pub use values::{formula, range, unit_of};
 
 /// Something read from the document, with its place.

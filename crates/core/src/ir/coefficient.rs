@@ -40,15 +40,30 @@ pub(crate) enum Relation {
 pub(crate) struct Unfit<'a> {
     pub coefficient: &'a Coefficient,
     pub value: f64,
-    pub fault: Fault<'a>,
+    pub fault: SettingFault,
 }
 
-/// Why a coefficient cannot be used.
-pub(crate) enum Fault<'a> {
-    Range(f64, f64),
+/// The rule that the value of a setting breaks.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SettingFault {
+    /// The value is outside its range, or not finite.
+    Range {
+        /// Least value allowed.
+        low: f64,
+        /// Largest value allowed.
+        high: f64,
+    },
+    /// The value must be a whole number.
     NotWhole,
-    /// How it stands to another, in words, and that one's value.
-    Order(&'static str, &'a Coefficient, f64),
+    /// The value is in the wrong order with another setting of the element.
+    Order {
+        /// The relation that was found: "not below", "below" or "above".
+        relation: &'static str,
+        /// The other setting, such as "R pull_in".
+        other: String,
+        /// Value of the other setting.
+        limit: f64,
+    },
 }
 
 impl Relation {
@@ -64,22 +79,24 @@ impl Relation {
 }
 
 impl Coefficient {
-    fn fault(&self, value: f64) -> Option<Fault<'_>> {
+    fn fault(&self, value: f64) -> Option<SettingFault> {
         let (low, high) = self.range;
         if !(value.is_finite() && low <= value && value <= high) {
-            return Some(Fault::Range(low, high));
+            return Some(SettingFault::Range { low, high });
         }
-        (self.whole && value.fract() != 0.0).then_some(Fault::NotWhole)
+        (self.whole && value.fract() != 0.0).then_some(SettingFault::NotWhole)
     }
 }
 
-impl Fault<'_> {
-    /// What is wrong with this value, in words that follow it.
-    pub fn told(&self, value: f64) -> String {
+impl SettingFault {
+    /// A phrase that follows the value in a message, such as "outside 0 ... 1".
+    pub fn describe(&self, value: f64) -> String {
         match self {
-            Fault::Range(low, high) => outside(value, (*low, *high), ""),
-            Fault::NotWhole => "and must be a whole number".to_owned(),
-            Fault::Order(stands, other, limit) => format!("{stands} {} at {}", other.label, told(*limit)),
+            SettingFault::Range { low, high } => outside(value, (*low, *high), ""),
+            SettingFault::NotWhole => "and must be a whole number".to_owned(),
+            SettingFault::Order { relation, other, limit } => {
+                format!("{relation} {other} at {}", told(*limit))
+            }
         }
     }
 }
@@ -96,8 +113,8 @@ impl Program {
     fn disorder(&self, order: Order, values: &[f64]) -> Option<Unfit<'_>> {
         let [of, to] = [order.of, order.to].map(|index| index as usize);
         let (value, limit) = (values[of], values[to]);
-        let stands = order.relation.broken(value, limit)?;
-        let fault = Fault::Order(stands, &self.coefficients[to], limit);
+        let relation = order.relation.broken(value, limit)?;
+        let fault = SettingFault::Order { relation, other: self.coefficients[to].label.clone(), limit };
         Some(Unfit { coefficient: &self.coefficients[of], value, fault })
     }
 }

@@ -20,6 +20,7 @@ mod loops;
 mod noise;
 mod number;
 mod op;
+mod parameters;
 mod piece;
 mod range;
 mod scope;
@@ -30,14 +31,15 @@ pub(crate) use angles::Angle;
 use arrange::Parts;
 pub use builder::{Builder, Draft};
 use cache::Cache;
-pub use coefficient::Coefficient;
+pub use coefficient::{Coefficient, SettingFault};
 
 pub use linearise::Linearisation;
 pub(crate) use linearise::OperatingPoint;
 pub use op::{Op, Register};
+pub use parameters::{Declared, ParameterSlot, SettingError};
 pub use state_space::{DelayTerm, Hold, Port, StateSpace, StateTerm};
 
-pub(crate) use coefficient::{Fault, Order, Relation, Unfit};
+pub(crate) use coefficient::{Order, Relation, Unfit};
 pub(crate) use corners::Corners;
 pub(crate) use evaluate::Scratch;
 pub(crate) use kinks::{Crossing, Kink, ON_THE_KINK};
@@ -47,6 +49,7 @@ pub(crate) use loops::{LoopFault, Solutions};
 pub(crate) use noise::{Distribution, Noise};
 pub(crate) use number::{Number, segment, segment_after};
 pub(crate) use op::Sources;
+pub(crate) use parameters::ChangedParameters;
 pub(crate) use scope::{ScaleSlot, Standing};
 pub(crate) use tangent::{Beside, Slopes, StandingSlopes};
 
@@ -136,36 +139,6 @@ pub(crate) struct Timetable {
     pub table: usize,
     /// Whether it goes straight from point to point; else each value stays until the next.
     pub is_straight: bool,
-}
-
-/// A parameter of the patch as the prologue reads it.
-#[derive(Debug, Clone)]
-pub struct ParameterSlot {
-    /// Its value for this run, in SI.
-    pub value: f64,
-    pub(crate) declared: Arc<Declared>,
-}
-
-/// What a patch says of a parameter, whatever its value.
-#[derive(Debug, Clone)]
-pub struct Declared {
-    /// Its name.
-    pub name: String,
-    /// What its declared unit is in SI.
-    pub per_unit: f64,
-    /// Least and largest value allowed, in the declared unit.
-    pub range: Option<(f64, f64)>,
-    /// Text of the declared unit.
-    pub unit: String,
-    pub(crate) dimension: Dimension,
-}
-
-impl Deref for ParameterSlot {
-    type Target = Declared;
-
-    fn deref(&self) -> &Declared {
-        &self.declared
-    }
 }
 
 /// An element's output.

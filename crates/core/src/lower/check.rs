@@ -23,7 +23,7 @@ fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
     let parameters: Vec<f64> = program.parameters.iter().map(|slot| slot.value).collect();
     let coefficients = program.prepare(&parameters);
     if let Some(Unfit { coefficient, value, fault }) = program.first_unfit(&coefficients) {
-        let message = format!("{} comes to {}, {}", coefficient.label, told(value), fault.told(value));
+        let message = format!("{} comes to {}, {}", coefficient.label, told(value), fault.describe(value));
         let hint = Some("look for a wrong power of ten, here or in a scale".to_owned());
         return vec![Diagnostic { code: Code::NotFinite, span: coefficient.span, message, hint }];
     }

@@ -2,7 +2,7 @@
 //! can be told without running.
 
 use crate::circuit::Circuit;
-use crate::document::{Change, Code, Diagnostic, Phase, Span, behind, told};
+use crate::document::{Change, Code, Diagnostic, Phase, Span, told};
 use crate::ir::{Program, Standing, Unfit};
 use patchcord_expr::Formula;
 
@@ -63,7 +63,7 @@ impl Rehearsal<'_> {
         for (index, value) in values {
             self.known[index] = value.is_some();
             if let Some(value) = value {
-                self.parameters[index] = value * self.program.parameters[index].per_unit;
+                self.parameters[index] = value;
             }
         }
         if let Some(change) = changes.first() {
@@ -71,7 +71,7 @@ impl Rehearsal<'_> {
         }
     }
 
-    /// The parameter that is set, and what to where that can be told.
+    /// The parameter that is set and its new value in SI units; `None` for a value that only the run can give.
     fn value(&mut self, change: &Change) -> Option<(usize, Option<f64>)> {
         let name = &change.parameter.value;
         let index = self.program.parameter(name)?;
@@ -86,7 +86,7 @@ impl Rehearsal<'_> {
             registers: None,
         };
         match standing.value_for(index, &change.to.value) {
-            Ok(value) => Some((index, self.in_range(index, value, change.to.span))),
+            Ok(value) => Some((index, self.in_si(index, value, change.to.span))),
             Err(error) => {
                 let inside = error.range.start + 1..error.range.end + 1;
                 let finding = Diagnostic::at(Code::BadFormula, change.to.span.part(&inside), error.message);
@@ -96,19 +96,10 @@ impl Rehearsal<'_> {
         }
     }
 
-    /// The value of a parameter, where its range allows it.
-    fn in_range(&mut self, index: usize, value: f64, span: Span) -> Option<f64> {
-        let slot = &self.program.parameters[index];
-        let (low, high) = slot.range.unwrap_or((f64::MIN, f64::MAX));
-        if low <= value && value <= high {
-            return Some(value);
-        }
-        let name = &slot.name;
-        let [value, low, high, unit] = [told(value), told(low), told(high), behind(&slot.unit)];
-        let message = format!("{name} comes to {value}{unit} here, outside its range {low} ... {high}{unit}");
-        let hint = "widen the range in the patch if the circuit can take it";
-        self.tell(Diagnostic::at(Code::OutsideRange, span, message).hint(hint));
-        None
+    /// A value of a parameter, converted to SI units; `None` and a finding if the parameter cannot have it.
+    fn in_si(&mut self, index: usize, value: f64, span: Span) -> Option<f64> {
+        let checked = self.program.parameters[index].in_si(value);
+        checked.map_err(|violation| self.tell(violation.diagnostic(Some(span)))).ok()
     }
 
     /// Whether everything that a formula names is known without running; scales are, as no phase changes them.
@@ -128,7 +119,7 @@ impl Rehearsal<'_> {
         let coefficients = self.program.prepare(&self.parameters);
         if let Some(Unfit { coefficient, value, fault }) = self.program.first_unfit(&coefficients) {
             let message =
-                format!("{} comes to {} here, {}", coefficient.label, told(value), fault.told(value));
+                format!("{} comes to {} here, {}", coefficient.label, told(value), fault.describe(value));
             let hint = "set the parameters otherwise, or rescale";
             self.tell(Diagnostic::at(Code::SettingOutside, span, message).hint(hint));
         }

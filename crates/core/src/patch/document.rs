@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::macros::{Instance, Macro, Port};
 use super::table_file::TableFile;
-use crate::document::{Diagnostic, Phase, Placed, Span};
+use crate::document::{Diagnostic, Phase, Placed, RangeViolation, Span, parameter_in_si};
 use crate::elements::Kind;
 use patchcord_expr::{Formula, Unit};
 
@@ -29,6 +29,16 @@ pub struct Parameter {
     pub span: Span,
     /// Where its value stands.
     pub value_span: Span,
+}
+
+impl Parameter {
+    /// A value in the declared unit, converted to SI units, if the parameter may have it.
+    ///
+    /// # Errors
+    /// If the value is not finite in SI units, or is outside the range.
+    pub(crate) fn in_si(&self, name: &str, value: f64) -> Result<f64, RangeViolation> {
+        parameter_in_si(name, value, (self.unit.text(), self.unit.factor()), self.range)
+    }
 }
 
 /// What one volt stands for.

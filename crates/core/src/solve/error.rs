@@ -1,56 +1,57 @@
-//! Why a run stopped, or never began.
+//! Errors of a run: why it stopped, or could not begin.
 
 use std::fmt;
 
-use crate::document::{behind, outside, told};
+use crate::document::{outside, told};
+use crate::ir::SettingError;
 use crate::trace::Trace;
 
-/// What went wrong with a run.
+/// Why a run stopped, or could not begin.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RunError {
-    /// A voltage that is not a number.
+    /// The output of an element is not a number.
     #[error("{element} gave a voltage that is not a number at t = {time} s")]
     NotANumber {
-        /// The first element, in the order of working out, whose output is not a number.
+        /// The first element, in the order of evaluation, whose output is not a number.
         element: String,
-        /// When, in problem seconds.
+        /// Problem time in seconds.
         time: f64,
     },
-    /// A loop without an integrator that has not exactly one solution.
+    /// A loop without an integrator does not have exactly one solution.
     #[error("at t = {time} s the loop {members} has no integrator and {solutions}; {advice}")]
     Loop {
-        /// The members, in order.
+        /// Names of the members, in their order in the loop.
         members: String,
-        /// The member that opens it.
+        /// Name of the member at which the loop is opened for the solution.
         opened: String,
-        /// What can be said of its solutions.
+        /// The number of solutions, as a phrase.
         solutions: String,
-        /// What to do about it.
+        /// Advice to the user.
         advice: &'static str,
-        /// When, in problem seconds.
+        /// Problem time in seconds.
         time: f64,
     },
-    /// A parameter by which there is no derivative.
+    /// A quantity has no derivative by a parameter.
     #[error("there is no derivative by {parameter}: {why}")]
     NoDerivative {
-        /// The parameter.
+        /// Name of the parameter.
         parameter: String,
-        /// Why.
+        /// The reason.
         why: String,
     },
-    /// An event at which the derivative by a parameter ends.
+    /// The derivative by a parameter ends at an event.
     #[error("at t = {time} s {element} {why}: there is no derivative by {parameter} from there on")]
     DerivativeLost {
         /// The parameter.
         parameter: String,
-        /// What switches.
+        /// Name of the element that switches.
         element: String,
-        /// How it does.
+        /// The reason, as a phrase that follows the name of the element.
         why: String,
-        /// When, in problem seconds.
+        /// Problem time in seconds.
         time: f64,
     },
-    /// Changes of mode without end.
+    /// A mode changes, or a kink is crossed, again and again (chatter).
     #[error(
         "{element} switched more than {most} times within {within} s at t = {time} s: it chatters; {advice}",
         within = told(*within), time = told(*time)
@@ -58,215 +59,190 @@ pub enum RunError {
     Chatter {
         /// The element.
         element: String,
-        /// The limit.
+        /// The largest number of changes allowed.
         most: usize,
-        /// The span of time, in problem seconds.
+        /// The time in which they are allowed, in problem seconds.
         within: f64,
-        /// When, in problem seconds.
+        /// Problem time in seconds.
         time: f64,
-        /// What to do about it.
+        /// Advice to the user.
         advice: &'static str,
     },
-    /// A voltage that no step is short enough to follow.
+    /// No step is short enough to keep the error of a voltage within the tolerance.
     #[error(
-        "{element} cannot be followed at t = {time} s: even a step of {step} s is not right to the tolerance; take a \
-         larger tolerance, or look for what makes the voltage run away there",
+        "{element} cannot be followed at t = {time} s: even a step of {step} s exceeds the tolerance; take a larger \
+         tolerance, or find out why the voltage diverges there",
         time = told(*time), step = told(*step)
     )]
     StepTooShort {
-        /// The integrator or lag whose error is largest, or what takes a periodic function.
+        /// The integrator or lag with the largest error, or the element that takes a sine or cosine.
         element: String,
-        /// When, in problem seconds.
+        /// Problem time in seconds.
         time: f64,
-        /// The step that was too long, in problem seconds.
+        /// The shortest step tried, in problem seconds.
         step: f64,
     },
-    /// A delay shorter than the step.
+    /// A delay is shorter than the step.
     #[error(
         "{element} delays by {delay} s, less than the step of {step} s; take a step of at most {delay} s",
         delay = told(*delay), step = told(*step)
     )]
     DelayTooShort {
-        /// The delay line.
+        /// Name of the delay line.
         element: String,
         /// Its delay in problem seconds.
         delay: f64,
         /// The step in problem seconds.
         step: f64,
     },
-    /// A lag shorter than the step.
+    /// The time constant of a lag is shorter than the step.
     #[error(
         "{element} has a time constant of {time} s, less than the step of {step} s; take a step of at most {time} s",
         time = told(*time), step = told(*step)
     )]
     LagTooShort {
-        /// The lag.
+        /// Name of the lag.
         element: String,
         /// Its time constant in problem seconds.
         time: f64,
         /// The step in problem seconds.
         step: f64,
     },
-    /// A parameter that does not exist.
-    #[error("there is no parameter {0} to set")]
-    UnknownParameter(String),
-    /// An element that does not exist.
+    /// A parameter, or a setting that follows from one, cannot have a value.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// No element has this name.
     #[error("there is no element {0}")]
     UnknownElement(String),
-    /// A signal that does not exist.
+    /// No signal has this name.
     #[error("there is no signal {0} to record")]
     UnknownSignal(String),
-    /// A parameter, or what follows from it, outside what is allowed.
+    /// An integrator set to a voltage outside its limits.
     #[error(
-        "{what} comes to {value}{unit}, {fault}",
-        value = told(*value),
-        unit = behind(unit),
-        fault = outside(*value, (*low, *high), unit)
+        "{integrator} cannot be set to {volts} V, {fault}",
+        volts = told(*volts),
+        fault = outside(*volts, (*low, *high), "V")
     )]
-    OutsideRange {
-        /// The parameter or the setting.
-        what: String,
-        /// Its value.
-        value: f64,
-        /// Least value allowed.
+    StateOutsideRange {
+        /// The integrator.
+        integrator: String,
+        /// The voltage that was given.
+        volts: f64,
+        /// Lower limit of the integrator in volts.
         low: f64,
-        /// Largest value allowed.
+        /// Upper limit of the integrator in volts.
         high: f64,
-        /// Text of the unit of a parameter or a voltage; empty where it is not known.
-        unit: String,
     },
-    /// A setting that does not stand to another of its element as it must.
-    #[error("{what} comes to {value}, {stands} {other} at {limit}", value = told(*value), limit = told(*limit))]
-    OutOfOrder {
-        /// The setting.
-        what: String,
-        /// Its value.
-        value: f64,
-        /// How it stands to the other: "not below", "below" or "above".
-        stands: &'static str,
-        /// The other setting.
-        other: String,
-        /// The other's value.
-        limit: f64,
-    },
-    /// An element that a phase waits for and that does not switch.
+    /// A phase waits for an element that does not switch.
     #[error("{0} does not switch: a phase can wait for a relay only")]
     NotARelay(String),
-    /// A position that a relay does not have.
+    /// A phase waits for a position that its relay does not have.
     #[error("{relay} does not become \"{position}\", but {known}")]
     UnknownPosition {
-        /// The relay.
+        /// Name of the relay.
         relay: String,
-        /// What was waited for.
+        /// The position that was given.
         position: String,
-        /// What it becomes.
+        /// The positions of the relay, joined by "or".
         known: String,
     },
-    /// A parameter that cannot be set to what its formula says.
+    /// The formula that a phase sets a parameter to has no value.
     #[error("{parameter} cannot be set to {formula}: {message}")]
     BadFormula {
-        /// The parameter.
+        /// Name of the parameter.
         parameter: String,
-        /// The formula as it was written.
+        /// Text of the formula.
         formula: String,
-        /// What is wrong with it.
+        /// The error of the formula.
         message: String,
     },
-    /// A parameter set within the run on which the scale of a recorded signal depends.
+    /// A phase sets a parameter on which the scale of a recorded signal depends.
     #[error("the scale of {signal} would change within its record")]
     Rescaled {
-        /// The signal.
+        /// Name of the signal.
         signal: String,
     },
-    /// A run without a phase that takes time.
+    /// No phase of the run takes time.
     #[error("no phase of the run takes any time")]
     NoTime,
-    /// A repetition of nothing, or no repetition.
-    #[error("a phase repeats nothing, or no times")]
+    /// A repetition without phases, or of 0 times.
+    #[error("a repetition has no phases, or is repeated 0 times")]
     EmptyRepeat,
-    /// A number that must be whole and is not.
-    #[error("{what} comes to {value}, and must be a whole number", value = told(*value))]
-    NotWhole {
-        /// The setting.
-        what: String,
-        /// Its value.
-        value: f64,
-    },
-    /// Times that a run cannot do without, and that nobody gave.
+    /// Times that a run needs, and that neither the patch nor the caller specifies.
     #[error("the patch's \"run\" does not give {}", listed(.0))]
     Missing(Vec<TimeSetting>),
-    /// A time that is none.
-    #[error("{which} must be a time above 0 s, not {value} s", value = told(*value))]
+    /// A time is not positive and finite.
+    #[error("{which} must be positive, got {value} s", value = told(*value))]
     NotATime {
-        /// What it is for.
+        /// The use of the time.
         which: TimeSetting,
-        /// What was given.
+        /// The value that was given.
         value: f64,
     },
-    /// A tolerance that is none.
+    /// The tolerance is too small or not finite.
     #[error(
-        "the tolerance must be a number from {least} on, not {value}: the rounding of numbers is no smaller",
+        "the tolerance must be at least {least}, got {value}: rounding makes smaller errors impossible",
         value = told(*value), least = told(*least)
     )]
     NotATolerance {
-        /// What was given.
+        /// The value that was given.
         value: f64,
-        /// The limit.
+        /// The least tolerance.
         least: f64,
     },
-    /// A step, or a time between samples, that is longer than the run.
+    /// The step, or the time between samples, is longer than the run.
     #[error(
         "{which} is {value} s, longer than the run of {duration} s",
         value = told(*value), duration = told(*duration)
     )]
     LongerThanRun {
-        /// What it is for.
+        /// The use of the time.
         which: TimeSetting,
-        /// Its length in problem seconds.
+        /// The time in problem seconds.
         value: f64,
         /// Length of the run in problem seconds.
         duration: f64,
     },
-    /// More steps than anybody will wait for.
+    /// The run would take too many steps.
     #[error(
         "the run would take {steps} steps, {work} at a million steps a second; at most {most} are allowed",
         steps = told(*steps), work = work(*steps), most = told(*most)
     )]
     TooManySteps {
-        /// Steps of all its phases, repetitions counted.
+        /// Steps of all phases, with repetitions.
         steps: f64,
-        /// The limit.
+        /// The largest number allowed.
         most: f64,
     },
-    /// More numbers of noise than anybody will wait for.
+    /// A noise drive would draw too many numbers.
     #[error(
         "{element} would draw {numbers} numbers in the run; at most {most} are allowed; choose a longer \"every\"",
         numbers = told(*numbers), most = told(*most)
     )]
     NoiseTooFine {
-        /// The drive.
+        /// Name of the drive.
         element: String,
-        /// Numbers of all repetitions.
+        /// Numbers drawn in all phases, with repetitions.
         numbers: f64,
-        /// The limit.
+        /// The largest number allowed.
         most: f64,
     },
-    /// More recorded numbers than fit into memory.
+    /// The run would record too many numbers for the memory.
     #[error(
         "the run would record {numbers} numbers; at most {most} are allowed",
         numbers = told(*numbers), most = told(*most)
     )]
     TooManyNumbers {
-        /// Times and signals of every sample, 16 for every phase and every parameter set, 6 for every phase and
-        /// signal, repetitions counted.
+        /// The recorded numbers, with repetitions: times and signals of every sample, 16 numbers for every phase and
+        /// every parameter set, and 6 for every phase and signal.
         numbers: f64,
-        /// The limit.
+        /// The largest number allowed.
         most: f64,
     },
 }
 
 impl RunError {
-    /// The element that it is about.
+    /// The element that the error is about; `None` if it is not about one element.
     pub fn element(&self) -> Option<&str> {
         match self {
             RunError::NotANumber { element, .. }
@@ -280,7 +256,7 @@ impl RunError {
         }
     }
 
-    /// A name that never changes, for programs that read failures.
+    /// A stable name for programs that read failures, such as "chatter".
     pub fn code(&self) -> &'static str {
         match self {
             RunError::NotANumber { .. } => "not-a-number",
@@ -291,18 +267,16 @@ impl RunError {
             RunError::StepTooShort { .. } => "step-too-short",
             RunError::DelayTooShort { .. } => "delay-too-short",
             RunError::LagTooShort { .. } => "lag-too-short",
-            RunError::UnknownParameter(_) => "unknown-parameter",
+            RunError::Setting(error) => error.code(),
             RunError::UnknownElement(_) => "unknown-element",
             RunError::UnknownSignal(_) => "unknown-signal",
-            RunError::OutsideRange { .. } => "outside-range",
-            RunError::OutOfOrder { .. } => "out-of-order",
+            RunError::StateOutsideRange { .. } => "outside-range",
             RunError::NotARelay(_) => "not-a-relay",
             RunError::UnknownPosition { .. } => "unknown-position",
             RunError::BadFormula { .. } => "bad-formula",
             RunError::Rescaled { .. } => "scale-in-run",
             RunError::NoTime => "no-time",
             RunError::EmptyRepeat => "empty-repeat",
-            RunError::NotWhole { .. } => "not-whole",
             RunError::NoiseTooFine { .. } => "noise-too-fine",
             RunError::Missing(_) => "missing-time",
             RunError::NotATime { .. } => "not-a-time",
@@ -314,21 +288,21 @@ impl RunError {
     }
 }
 
-/// The times that a run is made of.
+/// The times in the settings of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeSetting {
-    /// Length of the run, or of a phase in which it operates.
+    /// Length of the run, or of a phase in which the machine operates.
     Duration,
     /// Length of a hold.
     Hold,
-    /// Step of the solver.
+    /// Length of the solver's steps.
     Step,
     /// Time between recorded samples.
     Every,
 }
 
 impl TimeSetting {
-    /// Its key in the `run` of a patch, or in a phase.
+    /// The key of the time in the `run` of a patch, or in a phase.
     pub fn key(self) -> &'static str {
         match self {
             TimeSetting::Duration => "for",
@@ -350,12 +324,13 @@ impl fmt::Display for TimeSetting {
     }
 }
 
+/// The names and keys of times, joined by "and".
 fn listed(times: &[TimeSetting]) -> String {
-    let told: Vec<_> = times.iter().map(|time| format!("{time} (\"{}\")", time.key())).collect();
-    told.join(" and ")
+    let names: Vec<_> = times.iter().map(|time| format!("{time} (\"{}\")", time.key())).collect();
+    names.join(" and ")
 }
 
-/// How long a million steps a second take for so many, in whole hours, days or years.
+/// The time that a number of steps takes at a million steps a second, in whole hours, days or years.
 fn work(steps: f64) -> String {
     let hours = steps / 1e6 / 3600.0;
     match hours {
@@ -365,13 +340,13 @@ fn work(steps: f64) -> String {
     }
 }
 
-/// A run that did not come to its end.
+/// A run that stopped before its end.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{error}")]
 pub struct Stopped {
-    /// Why it stopped.
+    /// The reason.
     pub error: RunError,
-    /// What was recorded until then; empty where the run never began.
+    /// The record up to then; empty if the run did not begin.
     pub trace: Box<Trace>,
 }
 

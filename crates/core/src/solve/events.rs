@@ -1,232 +1,324 @@
-//! Changes of mode and kinks: found within a step, stepped to, carried out.
+//! Events: changes of mode and kinks. They are located within a step, stepped to and carried out.
+//!
+//! [`Machine::step_to`] advances time: it tries a step, locates the first event in it, checks the error and accepts the
+//! step up to the event. [`Machine::handle_events`] then carries out what is due at its end. Events are counted,
+//! because a mode that changes without end (chatter) would stop the clock.
 
-use super::control::CHATTER;
+use std::sync::Arc;
+
+use super::discontinuities::{next_before, propagate};
 use super::error::RunError;
-use super::locate::{self, Ahead};
-use super::machine::{Machine, Witness};
-use crate::ir::{Calm, Crossing, Guard, Kink, ON_THE_KINK, Transition};
+use super::event_location::{EventFunction, first_event};
+use super::machine::Machine;
+use super::observer::StepObserver;
+use super::runge_kutta;
+use super::state::{Setup, Solver, SolverState};
+use crate::ir::{Calm, Crossing, Guard, ON_THE_KINK, Program, Transition};
+use crate::trace::Work;
 
-/// More changes of one mode, or crossings of one kink, than this within one of equal steps are chatter; with a tolerance,
-/// within a share of the first step tried ([`CHATTER`]).
-const MOST_CHANGES: u32 = 1000;
+/// A mode that changes, or a kink that is crossed, more often than this within the counting span chatters. The span is
+/// one of equal steps, or the share [`CHATTER_SPAN`] of the first step tried if steps adapt.
+const MAX_CHANGES: u32 = 1000;
+/// The counting span for chatter if steps adapt, as a share of the first step tried.
+const CHATTER_SPAN: f64 = 0.01;
 
-/// What a step must not reach across.
+/// An event that a step must not reach across.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Event {
     /// A change of mode.
     Change(Guard),
-    /// The kink of this index.
+    /// A crossing of the kink of this index.
     Kink(usize, Crossing),
 }
 
 impl Event {
-    /// How far past it voltages are; negative before it.
-    fn excess(self, registers: &[f64]) -> f64 {
+    /// The voltage by which the event is passed; negative before the event.
+    fn value(self, voltages: &[f64]) -> f64 {
         match self {
-            Event::Change(guard) => guard.excess(registers),
-            Event::Kink(_, crossing) => crossing.excess(registers),
+            Event::Change(guard) => guard.excess(voltages),
+            Event::Kink(_, crossing) => crossing.excess(voltages),
         }
     }
 }
 
-impl Ahead for Machine<'_> {
+/// Counts of events, by which chatter is detected, and the corners at which the present phase has to stop.
+#[derive(Debug, Clone)]
+pub(super) struct EventState {
+    /// Changes of every mode since `counted_since`.
+    pub changes: Vec<u32>,
+    /// Crossings of every kink since then.
+    pub crossings: Vec<u32>,
+    /// The beginning of the counting span, in problem seconds.
+    counted_since: f64,
+    /// Corners of tables at which no equal step of the present phase ends, in problem seconds, ascending.
+    pub corners_off_grid: Arc<[f64]>,
+}
+
+impl EventState {
+    /// No events of a program.
+    pub fn new(program: &Program) -> Self {
+        EventState {
+            changes: vec![0; program.modes.len()],
+            crossings: vec![0; program.kinks.len() + program.guard_kinks.len()],
+            counted_since: 0.0,
+            corners_off_grid: Arc::default(),
+        }
+    }
+
+    /// Resets the counting span for a new initial condition.
+    pub fn reset(&mut self) {
+        self.counted_since = 0.0;
+    }
+
+    /// Begins a new counting span if the present one is over. With `None` every call begins one.
+    pub fn begin_counting(&mut self, time: f64, span: Option<f64>) {
+        if span.is_none_or(|span| time - self.counted_since >= span) {
+            self.counted_since = time;
+            self.changes.fill(0);
+            self.crossings.fill(0);
+        }
+    }
+}
+
+/// A tried step of the solver, in which events are located.
+struct StepTrial<'a, 'p> {
+    solver: &'a mut Solver<'p>,
+    /// Counts the evaluations of all tries.
+    work: &'a mut Work,
+}
+
+impl EventFunction for StepTrial<'_, '_> {
     type Event = Event;
 
-    fn look(&mut self, length: f64) {
-        self.step_ahead(length);
+    fn evaluate(&mut self, length: f64) {
+        let Solver { setup, state, delay_lines, buffers, .. } = &mut *self.solver;
+        self.work.evaluations += runge_kutta::evaluations(setup.method);
+        runge_kutta::try_step(setup, state, delay_lines, buffers, length);
     }
 
-    /// Something that happens on the way to what was looked at ahead.
     fn event(&self) -> Option<Event> {
-        self.event_at(&self.trial_registers)
+        event_at(&self.solver.setup, &self.solver.state, &self.solver.buffers.voltages)
     }
 
-    fn is_hinted(&self) -> bool {
-        self.hint.is_some()
+    fn has_hint(&self) -> bool {
+        self.solver.buffers.hint.is_some()
     }
 
-    fn middle(&self) -> f64 {
-        self.hint.unwrap_or(1.0)
+    fn hint_share(&self) -> f64 {
+        self.solver.buffers.hint.unwrap_or(1.0)
     }
 
-    fn excess_now(&self, event: Event) -> f64 {
-        event.excess(&self.registers)
+    fn present_value(&self, event: Event) -> f64 {
+        event.value(&self.solver.state.voltages)
     }
 
-    fn excess(&self, event: Event) -> f64 {
-        event.excess(&self.trial_registers)
+    fn value(&self, event: Event) -> f64 {
+        event.value(&self.solver.buffers.voltages)
     }
 
-    fn room(&self, event: Event) -> f64 {
+    fn tolerance(&self, event: Event) -> f64 {
         if matches!(event, Event::Kink(..)) { ON_THE_KINK } else { 0.0 }
     }
 }
 
-impl Machine<'_> {
-    /// Goes to a time, stopping for every change of mode and every echo of one on the way.
-    pub(super) fn advance(&mut self, target: f64, witness: &mut impl Witness) -> Result<(), RunError> {
-        self.count_anew();
-        self.go_to(target, None, witness)
+impl<'p> Machine<'p> {
+    /// A step that is tried from the present.
+    fn step_trial(&mut self) -> StepTrial<'_, 'p> {
+        StepTrial { solver: &mut self.solver, work: &mut self.work }
     }
 
-    /// The same, and goes on to count what switches. The first may be known to be a change of mode, about so much later.
-    pub(super) fn go_to(
+    /// Begins a new counting span for events if the present one is over.
+    pub(super) fn begin_counting(&mut self) {
+        let setup = &self.solver.setup;
+        let span = setup.is_adaptive.then_some(CHATTER_SPAN * setup.step);
+        self.events.begin_counting(self.solver.state.time, span);
+    }
+
+    /// Advances to a problem time, and stops at every event on the way. With step control it takes one step only.
+    pub(super) fn advance(&mut self, target: f64, observer: &mut impl StepObserver) -> Result<(), RunError> {
+        self.begin_counting();
+        self.step_to(target, None, observer)
+    }
+
+    /// Advances to a problem time within the present counting span. `change` is the time until a change of mode that is
+    /// already known approximately, in seconds.
+    ///
+    /// Each pass tries a step to the next discontinuity, shortens it to the first event, checks its error, accepts it
+    /// and carries out the events at its end. A step that is rejected is tried again with a shorter target.
+    ///
+    /// # Errors
+    /// If a voltage is not a number, a loop is not solved, a mode chatters, or the step becomes too short.
+    pub(super) fn step_to(
         &mut self,
         mut target: f64,
         mut change: Option<f64>,
-        witness: &mut impl Witness,
+        observer: &mut impl StepObserver,
     ) -> Result<(), RunError> {
         if let Some(later) = change
-            && self.go_to_change(later, target, witness)?
+            && self.step_to_change(later, target, observer)?
         {
             change = None;
         }
-        while self.time < target && !witness.has_met() {
-            let end = self.end_of_stretch(target);
-            let length = end - self.time;
-            self.step_ahead(length);
-            if let Some(shorter) = self.turned_too_far(length)? {
-                target = self.time + shorter;
+        while self.solver.state.time < target && !observer.is_phase_over() {
+            let Solver { setup, state, delay_lines, .. } = &self.solver;
+            let end = next_before(setup, state, delay_lines, target);
+            let length = end - state.time;
+            self.step_trial().evaluate(length);
+            if let Some(control) = &mut self.control
+                && let Some(shorter) = control.limit_angles(&self.solver, &mut self.work, length)?
+            {
+                target = self.solver.state.time + shorter;
                 continue;
             }
             let near = change.take().map(|later| later / length);
-            let (share, met) = locate::first_event(self, length, near);
-            if let Some(shorter) = self.refused(share * length)? {
-                target = self.time + shorter;
+            let (share, met) = first_event(&mut self.step_trial(), length, near);
+            if let Some(control) = &mut self.control
+                && let Some(shorter) = control.reject(&self.solver, &mut self.work, share * length)?
+            {
+                target = self.solver.state.time + shorter;
                 continue;
             }
-            let time = if share >= 1.0 { end } else { self.time + share * length };
-            self.accept(time, witness)?;
+            let time = if share >= 1.0 { end } else { self.solver.state.time + share * length };
+            self.accept_step(time, observer)?;
             if let Some(Event::Kink(kink, _)) = met {
-                self.cross(kink)?;
+                cross_kink(&mut self.solver, &mut self.events, &mut self.work, kink)?;
             }
-            self.arrive(witness)?;
-            if self.control.is_some() {
+            self.handle_events(observer)?;
+            if self.solver.setup.is_adaptive {
                 break;
             }
         }
         Ok(())
     }
 
-    /// Goes in one step to where a flight has found a change of mode on the way to a time, and carries it out; tells whether it
-    /// is due there.
-    fn go_to_change(
+    /// Takes one step to the change of mode that a kernel found on the way to `target`, and carries it out. Returns
+    /// false and takes no step if the change is not due there.
+    fn step_to_change(
         &mut self,
         length: f64,
         target: f64,
-        witness: &mut impl Witness,
+        observer: &mut impl StepObserver,
     ) -> Result<bool, RunError> {
-        self.step_ahead(length);
-        let is_due = matches!(self.event(), Some(Event::Change(_))) && !self.is_hinted();
+        let mut trial = self.step_trial();
+        trial.evaluate(length);
+        let is_due = matches!(trial.event(), Some(Event::Change(_))) && !trial.has_hint();
         if is_due {
-            let is_whole = length >= target - self.time;
-            self.accept(if is_whole { target } else { self.time + length }, witness)?;
-            self.arrive(witness)?;
+            let time = self.solver.state.time;
+            let is_whole = length >= target - time;
+            self.accept_step(if is_whole { target } else { time + length }, observer)?;
+            self.handle_events(observer)?;
         }
         Ok(is_due)
     }
 
-    /// Carries out what is due where a stretch has ended.
-    pub(super) fn arrive(&mut self, witness: &mut impl Witness) -> Result<(), RunError> {
-        self.enter_event()?;
-        let echoed = self.meet_breaks();
-        if self.settle()? || echoed {
-            self.remember_values();
-            self.check_now()?;
+    /// Carries out the discontinuities and changes of mode that are due at the end of a step, and shows the result to
+    /// the observer.
+    ///
+    /// # Errors
+    /// If a mode chatters, a voltage is not a number, or an event has no derivative.
+    pub(super) fn handle_events(&mut self, observer: &mut impl StepObserver) -> Result<(), RunError> {
+        self.solver.enter_event()?;
+        let jumped = propagate(&mut self.solver, &mut self.work);
+        if settle_modes(&mut self.solver, &mut self.events, &mut self.work)? || jumped {
+            self.solver.sample_values();
+            self.check_present()?;
         }
-        self.leave_event()?;
-        witness.arrival(self);
+        self.solver.leave_event()?;
+        observer.step_ended(&self.solver);
         Ok(())
     }
+}
 
-    /// Begins to count what switches anew: with every one of equal steps, else after a span of time.
-    pub(super) fn count_anew(&mut self) {
-        if self.control.as_mut().is_none_or(|control| control.counts_anew(self.time, self.step)) {
-            self.changes.fill(0);
-            self.crossings.fill(0);
-        }
-    }
-
-    /// Carries out every change that is due now, and those that follow from them; tells whether there were any.
-    pub(super) fn settle(&mut self) -> Result<bool, RunError> {
-        let before = self.work.changes;
-        loop {
-            let (mut any, mut chatters) = (false, None);
-            self.program.change_modes(
-                &self.registers,
-                &mut self.modes,
-                &mut self.states,
-                |mode, transition| {
-                    any = true;
-                    if let Some(own) = &mut self.sensitivities {
-                        own.carry_out(self.program, &self.registers, mode, transition);
-                    }
-                    self.changes[mode] += 1;
-                    self.work.changes += 1;
-                    if self.changes[mode] > MOST_CHANGES {
-                        chatters = Some(&self.program.modes[mode]);
-                    }
-                },
-            );
-            if let Some(mode) = chatters {
-                return Err(self.chatter(mode.element, mode.calmed_by));
+/// Carries out every change of mode that is due, and those that follow from it, until no change is due. Returns whether
+/// any mode changed.
+///
+/// # Errors
+/// If a mode chatters.
+pub(super) fn settle_modes(
+    solver: &mut Solver<'_>,
+    events: &mut EventState,
+    work: &mut Work,
+) -> Result<bool, RunError> {
+    let before = work.changes;
+    loop {
+        let (mut any, mut chatters) = (false, None);
+        let Solver { setup, state, sensitivities, .. } = &mut *solver;
+        let program = setup.program;
+        program.change_modes(&state.voltages, &mut state.modes, &mut state.states, |mode, transition| {
+            any = true;
+            if let Some(own) = sensitivities.as_deref_mut() {
+                own.change_mode(program, &state.voltages, mode, transition);
             }
-            if !any {
-                return Ok(self.work.changes > before);
+            events.changes[mode] += 1;
+            work.changes += 1;
+            if events.changes[mode] > MAX_CHANGES {
+                chatters = Some(&program.modes[mode]);
             }
-            self.evaluate();
-            self.remember_break();
+        });
+        if let Some(mode) = chatters {
+            return Err(chatter(&solver.setup, solver.state.time, mode.element, mode.calmed_by));
         }
-    }
-
-    /// Transitions that can be made from the present modes.
-    pub(super) fn open_transitions(&self) -> impl Iterator<Item = &Transition> {
-        let pairs = self.program.modes.iter().zip(&self.modes);
-        pairs.flat_map(|(mode, value)| mode.transitions.iter().filter(move |open| open.from == *value))
-    }
-
-    /// Something that happens on the way from the present to these voltages.
-    pub(super) fn event_at(&self, registers: &[f64]) -> Option<Event> {
-        let mut guards = self.open_transitions().map(|open| open.guard);
-        let due = guards.find(|guard| guard.holds(registers)).map(Event::Change);
-        due.or_else(|| self.kink_on_the_way_to(registers))
-    }
-
-    /// The kinks that no step reaches across. Those that guards alone have matter where long steps could miss what comes and
-    /// goes behind them.
-    pub(super) fn kinks(&self) -> impl Iterator<Item = &Kink> {
-        let of_guards = if self.control.is_some() { self.program.guard_kinks.as_slice() } else { &[] };
-        self.program.kinks.iter().chain(of_guards)
-    }
-
-    fn kink_on_the_way_to(&self, registers: &[f64]) -> Option<Event> {
-        self.kinks().enumerate().find_map(|(index, kink)| {
-            let [from, to] = [&self.registers, registers].map(|voltages| kink.value(voltages));
-            Some(Event::Kink(index, kink.crossed(&self.program.tables, from, to)?))
-        })
-    }
-
-    /// Takes note that the machine stands on a kink: its echo will be one.
-    fn cross(&mut self, index: usize) -> Result<(), RunError> {
-        self.work.crossings += 1;
-        self.crossings[index] += 1;
-        if let Some(kink) = self.kinks().nth(index).filter(|_| self.crossings[index] > MOST_CHANGES) {
-            return Err(self.chatter(kink.element, Calm::Drive));
+        if !any {
+            return Ok(work.changes > before);
         }
-        self.remember_break();
-        Ok(())
+        solver.evaluate(work);
+        solver.record_discontinuity();
     }
+}
 
-    fn chatter(&self, element: usize, calmed_by: Calm) -> RunError {
-        let element = self.program.name(element).to_owned();
-        let within = if self.control.is_some() { CHATTER * self.step } else { self.step };
-        let advice = match (calmed_by, &self.control) {
-            (Calm::Rest, _) => "give it a larger \"rest\": what is thrown back below it stays at the stop",
-            (Calm::Hysteresis, None) => "give it hysteresis, or take a shorter step",
-            (Calm::Hysteresis, Some(_)) => "give it hysteresis",
-            (Calm::Drive, None) => "look for what drives it to and fro, or take a shorter step",
-            (Calm::Drive, Some(_)) => "look for what drives it to and fro",
-        };
-        RunError::Chatter { element, most: MOST_CHANGES as usize, within, time: self.time, advice }
+/// The transitions that are possible from the present modes.
+pub(super) fn open_transitions<'a>(
+    program: &'a Program,
+    modes: &'a [f64],
+) -> impl Iterator<Item = &'a Transition> {
+    let pairs = program.modes.iter().zip(modes);
+    pairs.flat_map(|(mode, value)| mode.transitions.iter().filter(move |open| open.from == *value))
+}
+
+/// An event on the way from the present to these voltages; `None` if there is none. Changes of mode come before kinks.
+pub(super) fn event_at(setup: &Setup<'_>, state: &SolverState, voltages: &[f64]) -> Option<Event> {
+    let mut guards = open_transitions(setup.program, &state.modes).map(|open| open.guard);
+    let due = guards.find(|guard| guard.holds(voltages)).map(Event::Change);
+    due.or_else(|| kink_crossed(setup, &state.voltages, voltages))
+}
+
+/// The first kink that is crossed between two sets of voltages.
+fn kink_crossed(setup: &Setup<'_>, from: &[f64], to: &[f64]) -> Option<Event> {
+    setup.kinks().enumerate().find_map(|(index, kink)| {
+        let [from, to] = [from, to].map(|voltages| kink.value(voltages));
+        Some(Event::Kink(index, kink.crossed(&setup.program.tables, from, to)?))
+    })
+}
+
+/// Counts the crossing of a kink, and records that voltages turn a corner at the present instant.
+///
+/// # Errors
+/// If the kink is crossed so often that its element chatters.
+fn cross_kink(
+    solver: &mut Solver<'_>,
+    events: &mut EventState,
+    work: &mut Work,
+    index: usize,
+) -> Result<(), RunError> {
+    work.crossings += 1;
+    events.crossings[index] += 1;
+    if let Some(kink) = solver.setup.kinks().nth(index).filter(|_| events.crossings[index] > MAX_CHANGES) {
+        return Err(chatter(&solver.setup, solver.state.time, kink.element, Calm::Drive));
     }
+    solver.record_discontinuity();
+    Ok(())
+}
+
+/// The error of an element that chatters at a problem time.
+fn chatter(setup: &Setup<'_>, time: f64, element: usize, remedy: Calm) -> RunError {
+    let element = setup.program.name(element).to_owned();
+    let within = if setup.is_adaptive { CHATTER_SPAN * setup.step } else { setup.step };
+    let advice = match (remedy, setup.is_adaptive) {
+        (Calm::Rest, _) => "give it a larger \"rest\": what is thrown back below it stays at the stop",
+        (Calm::Hysteresis, false) => "give it hysteresis, or take a shorter step",
+        (Calm::Hysteresis, true) => "give it hysteresis",
+        (Calm::Drive, false) => "look for what drives it to and fro, or take a shorter step",
+        (Calm::Drive, true) => "look for what drives it to and fro",
+    };
+    RunError::Chatter { element, most: MAX_CHANGES as usize, within, time, advice }
 }

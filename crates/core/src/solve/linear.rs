@@ -1,35 +1,45 @@
-//! The machine differentiated where it stands.
+//! The linear models of a machine at its present operating point.
+//!
+//! An operating point is the present state, with modes, levels and sampled values constant, and the outputs of the
+//! delay lines with their slopes.
 
 use super::machine::Machine;
+use super::state::Solver;
 use crate::delay_line::{DelayLine, Output};
 use crate::ir::{Linearisation, OperatingPoint, Program, StateSpace};
 
 impl Machine<'_> {
-    /// The rates' exact derivatives with respect to states and parameters, here and now.
+    /// The exact derivatives of the rates with respect to states and parameters, at the present operating point.
     pub fn linearise(&self) -> Linearisation {
-        self.at_this_point(|program, point| program.linearise(point))
+        self.solver.at_operating_point(|program, point| program.linearise(point))
     }
 
-    /// The linear model here and now, between all drives and all signals.
+    /// The linear model at the present operating point, from all drives to all signals.
     pub fn state_space(&self) -> StateSpace {
-        let delays = self.lines.iter().map(DelayLine::delay);
-        self.at_this_point(|program, point| program.state_space(point, &self.registers, delays))
+        let Solver { state, delay_lines, .. } = &self.solver;
+        let delays = delay_lines.iter().map(DelayLine::delay);
+        self.solver.at_operating_point(|program, point| program.state_space(point, &state.voltages, delays))
     }
+}
 
-    fn at_this_point<T>(&self, differentiate: impl FnOnce(&Program, &OperatingPoint<'_>) -> T) -> T {
-        let delayed = self.lines.iter().map(|line| match line.output(self.time) {
+impl Solver<'_> {
+    /// Calls a function with the program and its present operating point. The output of a delay line is `None` as long
+    /// as it is the initial output.
+    fn at_operating_point<T>(&self, differentiate: impl FnOnce(&Program, &OperatingPoint<'_>) -> T) -> T {
+        let Solver { setup, state, delay_lines, .. } = self;
+        let delayed = delay_lines.iter().map(|line| match line.output(state.time) {
             Output::Initial => None,
             Output::Arrived(volts, slope) => Some((volts, slope)),
         });
         let point = OperatingPoint {
-            parameters: &self.parameters,
-            states: &self.states,
-            modes: &self.modes,
-            time: self.time,
+            parameters: &state.parameters,
+            states: &state.states,
+            modes: &state.modes,
+            time: state.time,
             delayed: &delayed.collect::<Vec<_>>(),
-            kept: &self.kept,
-            levels: &self.levels,
+            kept: &state.sampled,
+            levels: &state.levels,
         };
-        differentiate(self.program, &point)
+        differentiate(setup.program, &point)
     }
 }

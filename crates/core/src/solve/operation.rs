@@ -1,76 +1,147 @@
-//! Operating in equal steps, so many at a time.
+//! Operation of a machine over a length of time: in equal steps, or in steps that adapt to a tolerance.
+//!
+//! Equal steps run on the fast path whenever it is possible. A batch of machines runs some steps at a time, so an
+//! operation in equal steps can be interrupted after any of them ([`Operation`]).
 
-use super::breaks::SAME;
+use super::discontinuities::INSTANT_TOLERANCE;
 use super::error::{RunError, TimeSetting};
-use super::glide::{Aloft, Halt};
-use super::machine::{Machine, MachineMode, Witness};
+use super::fast_path::{ActiveRun, Halt};
+use super::machine::{Machine, MachineMode};
+use super::observer::StepObserver;
+use super::run::MAX_STEPS;
 use crate::kernel::Steps;
 
-/// A phase in which a machine operates.
+/// No adaptive step is longer than this share of the time to operate: an element at rest may begin to move.
+const LONGEST_STEP: f64 = 0.05;
+
+/// A phase in which a machine operates in equal steps.
+///
+/// The phase takes the whole steps of the grid first. A rest shorter than a step follows in [`Machine::end_operation`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Operation {
     /// The steps that are left.
     pub steps: Steps,
-    /// The flight that is under way.
-    pub aloft: Option<Aloft>,
-    /// When the phase ends.
+    /// The kernel run on the fast path; `None` if the machine is not on it.
+    pub active: Option<ActiveRun>,
+    /// The end of the phase, in problem seconds.
     end: f64,
 }
 
 impl Operation {
-    /// Takes note of steps that were gone.
-    pub fn pass(&mut self, gone: u64) {
-        self.steps = self.steps.after(gone);
-        if let Some(aloft) = &mut self.aloft {
-            (aloft.left, aloft.meets) = (aloft.left - gone, false);
+    /// Removes the first `count` steps, which have been taken.
+    pub fn pass(&mut self, count: u64) {
+        self.steps = self.steps.after(count);
+        if let Some(active) = &mut self.active {
+            (active.left, active.meets) = (active.left - count, false);
         }
     }
 
+    /// Ends the phase here.
     fn stop(&mut self) {
         self.steps.count = 0;
     }
 }
 
 impl Machine<'_> {
-    /// Begins to operate for a length of problem time.
+    /// Operates for a length of problem time in seconds and shows every step to an observer.
     ///
     /// # Errors
-    /// When the length is none.
+    /// If the length is negative or not finite, or a step fails.
+    pub(super) fn operate_observed(
+        &mut self,
+        length: f64,
+        observer: &mut impl StepObserver,
+    ) -> Result<(), RunError> {
+        let mut operation = self.begin_operation(length)?;
+        if self.control.is_some() {
+            return self.operate_adaptive(self.solver.state.time + length, observer);
+        }
+        self.continue_operation(&mut operation, u64::MAX, observer)?;
+        self.end_operation(operation, observer)
+    }
+
+    /// Operates up to a problem time in steps that adapt to the tolerance.
+    ///
+    /// # Errors
+    /// If the run takes too many steps, or a step fails.
+    fn operate_adaptive(&mut self, end: f64, observer: &mut impl StepObserver) -> Result<(), RunError> {
+        let longest = LONGEST_STEP * (end - self.solver.state.time);
+        while self.solver.state.time < end && !self.hold_if_asked(observer) {
+            let (steps, most) = (self.work.steps as f64, MAX_STEPS);
+            if steps > most {
+                return Err(RunError::TooManySteps { steps, most });
+            }
+            let (next, left) = (self.next_step().min(longest), end - self.solver.state.time);
+            // The last two steps share the rest, so that neither is much too short.
+            let step = if next < left { next.min(0.5 * left) } else { left };
+            let target = self.solver.state.time + step;
+            self.advance(if step < left { target } else { end }, observer)?;
+        }
+        self.hold_if_asked(observer);
+        Ok(())
+    }
+
+    /// Length of the next step in problem seconds.
+    fn next_step(&self) -> f64 {
+        let solver = &self.solver;
+        self.control.map_or(solver.setup.step, |control| control.next_step(&solver.delay_lines))
+    }
+
+    /// Goes into hold if the observer asks for it. Returns whether the machine is in hold.
+    pub(super) fn hold_if_asked(&mut self, observer: &impl StepObserver) -> bool {
+        if observer.is_phase_over() || observer.should_stop(&self.lamps) {
+            self.hold();
+        }
+        self.mode == MachineMode::Hold
+    }
+
+    /// Begins to operate for a length of problem time in seconds.
+    ///
+    /// # Errors
+    /// If the length is negative or not finite.
     pub(super) fn begin_operation(&mut self, length: f64) -> Result<Operation, RunError> {
         if !(length >= 0.0 && length.is_finite()) {
             return Err(RunError::NotATime { which: TimeSetting::Duration, value: length });
         }
         self.mode = MachineMode::Operate;
-        self.stray_corners = self.program.corners.off(self.time, self.grid, SAME * self.step);
-        let count = self.grid.steps_in(length);
-        let steps = Steps { begin: self.time, grid: self.grid, first: 1, count };
-        Ok(Operation { steps, aloft: None, end: self.time + length })
+        let (setup, time) = (&self.solver.setup, self.solver.state.time);
+        let corners = &setup.program.corners;
+        self.events.corners_off_grid = corners.off(time, setup.grid, INSTANT_TOLERANCE * setup.step);
+        let count = setup.grid.steps_in(length);
+        let steps = Steps { begin: time, grid: setup.grid, first: 1, count };
+        Ok(Operation { steps, active: None, end: time + length })
     }
 
-    /// Goes so many of the steps that are left, or all. It may be aloft then.
-    pub(super) fn go_on(
+    /// Takes at most `count` of the steps that are left. The machine may then be on the fast path.
+    ///
+    /// Each pass of the loop either runs the kernel, or enters the fast path, or takes one step without it. If the
+    /// observer stops the machine, no steps are left.
+    ///
+    /// # Errors
+    /// If a step fails.
+    pub(super) fn continue_operation(
         &mut self,
         operation: &mut Operation,
         count: u64,
-        witness: &mut impl Witness,
+        observer: &mut impl StepObserver,
     ) -> Result<(), RunError> {
         let last = operation.steps.count.saturating_sub(count);
         while operation.steps.count > last {
             let steps = Steps { count: operation.steps.count - last, ..operation.steps };
-            match operation.aloft {
-                Some(aloft) => {
-                    let steps = Steps { count: steps.count.min(aloft.left), ..steps };
-                    let (gone, halt) = self.fly(aloft, steps, witness);
-                    operation.pass(gone);
+            match operation.active {
+                Some(active) => {
+                    let steps = Steps { count: steps.count.min(active.left), ..steps };
+                    let (taken, halt) = self.run_kernel(active, steps, observer);
+                    operation.pass(taken);
                     if operation.steps.count > last {
-                        self.go_step(operation, aloft, halt, witness)?;
+                        self.finish_step(operation, active, halt, observer)?;
                     }
                 }
-                None if self.is_stopped_by(witness) => operation.stop(),
+                None if self.hold_if_asked(observer) => operation.stop(),
                 None => {
-                    operation.aloft = self.take_off(operation.steps);
-                    if operation.aloft.is_none() {
-                        self.advance(operation.steps.end_of(0), witness)?;
+                    operation.active = self.enter_fast_path(operation.steps);
+                    if operation.active.is_none() {
+                        self.advance(operation.steps.end_of(0), observer)?;
                         operation.pass(1);
                     }
                 }
@@ -79,42 +150,44 @@ impl Machine<'_> {
         Ok(())
     }
 
-    /// Goes a step in which something happens or may happen: in flight up to there.
-    fn go_step(
+    /// Takes the step in which the kernel halted: by the kernel up to the halt, then without it to the end of the step.
+    fn finish_step(
         &mut self,
         operation: &mut Operation,
-        aloft: Aloft,
+        active: ActiveRun,
         halt: Halt,
-        witness: &mut impl Witness,
+        observer: &mut impl StepObserver,
     ) -> Result<(), RunError> {
         let end = operation.steps.end_of(0);
-        let halt = if halt == Halt::Quiet { self.fly_to_jump(aloft, end, witness) } else { halt };
-        self.come_down(aloft, halt, witness)?;
-        operation.aloft = None;
-        self.count_anew();
+        let halt = if halt == Halt::Quiet { self.run_kernel_to(active, end, observer) } else { halt };
+        self.leave_fast_path(active, halt, observer)?;
+        operation.active = None;
+        self.begin_counting();
         if halt == Halt::Jump {
-            self.arrive(witness)?;
+            self.handle_events(observer)?;
         }
         let change = if let Halt::Change(later) = halt { Some(later) } else { None };
-        self.go_to(end, change, witness)?;
+        self.step_to(end, change, observer)?;
         operation.pass(1);
         Ok(())
     }
 
-    /// Ends the phase: what is left beyond its last whole step, unless that is rounding.
+    /// Ends the phase and leaves the fast path. The rest beyond the last whole step is stepped through, unless it is
+    /// rounding.
     pub(super) fn end_operation(
         &mut self,
         operation: Operation,
-        witness: &mut impl Witness,
+        observer: &mut impl StepObserver,
     ) -> Result<(), RunError> {
-        if let Some(aloft) = operation.aloft {
-            self.come_down(aloft, Halt::Unclear, witness)?;
+        if let Some(active) = operation.active {
+            self.leave_fast_path(active, Halt::Unclear, observer)?;
         }
-        let is_over = self.mode() == MachineMode::Hold;
-        if !is_over && operation.end - self.time > 1e-9 * self.step && !self.is_stopped_by(witness) {
-            self.advance(operation.end, witness)?;
+        let is_held = self.mode() == MachineMode::Hold;
+        let rest = operation.end - self.solver.state.time;
+        if !is_held && rest > 1e-9 * self.solver.setup.step && !self.hold_if_asked(observer) {
+            self.advance(operation.end, observer)?;
         }
-        self.is_stopped_by(witness);
+        self.hold_if_asked(observer);
         Ok(())
     }
 }

@@ -1,7 +1,13 @@
-//! Goes through the phases of a run with a machine and a recorder.
+//! The player: takes a machine and its recorder through the phases of a run.
+//!
+//! Phases are initial condition, operation, hold, changes of parameters and repetitions of these. Each phase is marked
+//! in the record with its beginning, its end and the reason why it ended. A batch plays the same phases, but takes the
+//! steps of an operation itself ([`Player::begin_operating`], [`Player::end_operating`]).
 
 use super::error::RunError;
-use super::machine::{Machine, MachineMode, Witness};
+use super::levels::check_noise;
+use super::machine::{Machine, MachineMode};
+use super::observer::StepObserver as _;
 use super::recorder::{Recorder, Watch};
 use crate::document::{Change, Phase, Until};
 use crate::grid::SAME;
@@ -9,72 +15,84 @@ use crate::ir::{Program, Standing, Switch};
 use crate::trace::{Deed, Ending, NewValue, Trace};
 use patchcord_expr::FormulaMeasure;
 
-/// A machine, the recorder beside it, and where in the run they are.
+/// A machine, its recorder, and their position in the run.
 pub(super) struct Player<'p, 'w> {
     pub machine: Machine<'p>,
+    /// The observer of the machine.
     pub recorder: Recorder<'w>,
-    /// Seconds still to be operated, at most.
+    /// The time in seconds that the machine still operates, at most.
     left: f64,
-    /// By the recorder's clock, all runs added up, when it is over; with infinity, at the end of its phases.
+    /// The time by the recorder's clock, summed over all runs, at which the player stops; infinity to play all phases.
     end: f64,
-    /// Whether an overload ended the sweep: what takes time is passed over until the next initial condition.
+    /// Whether an overload ended the sweep. Phases that take time are then skipped until the next initial condition.
     is_held: bool,
 }
 
 /// A phase in which the machine operates.
 pub(super) struct Operating<'p> {
-    /// For so many seconds at most.
+    /// The longest time that the phase lasts, in seconds.
     pub time: f64,
-    /// The relay that may end it before.
+    /// The relay that may end the phase earlier.
     relay: Option<&'p Switch>,
 }
 
 impl<'p, 'w> Player<'p, 'w> {
-    /// A player of a run that operates for so many seconds at most.
+    /// A player of a run that operates for at most `left` seconds.
     pub fn new(machine: Machine<'p>, recorder: Recorder<'w>, left: f64) -> Self {
         Player { machine, recorder, left, end: f64::INFINITY, is_held: false }
     }
 
-    /// The same player, who leaves everything as it stands after so many seconds by the recorder's clock.
+    /// The same player that stops after some seconds by the recorder's clock, and leaves the machine as it is then.
     pub fn ending_at(self, end: f64) -> Self {
         Player { end, ..self }
     }
 
-    /// Goes through a whole run; it begins in initial condition whether it says so or not.
+    /// Plays all phases. A run always begins in initial condition, even if its first phase does not say so.
     pub fn run(&mut self, phases: &[Phase]) -> Result<(), RunError> {
         if !begins_in_initial_condition(phases) {
-            self.one(&Phase::InitialCondition)?;
+            self.play(&Phase::InitialCondition)?;
         }
-        self.all(phases)
+        self.play_all(phases)
     }
 
-    /// What was recorded.
+    /// Ends the record and returns it.
     pub fn finish(mut self) -> Trace {
-        self.recorder.end(&self.machine, self.is_held);
+        let Machine { solver, lamps, work, .. } = &self.machine;
+        self.recorder.end(solver, lamps, *work, self.is_held);
         self.recorder.trace
     }
 
-    /// The machine as it stands, and when by the recorder's clock, all runs added up.
+    /// The machine, and the time by the recorder's clock in seconds, summed over all runs.
     pub fn into_machine(self) -> (Machine<'p>, f64) {
-        let clock = self.recorder.recorded(&self.machine);
-        (self.machine, clock)
+        let recorded = self.recorded();
+        (self.machine, recorded)
     }
 
-    /// Seconds until it is over.
+    /// The seconds recorded so far, summed over all runs.
+    fn recorded(&self) -> f64 {
+        self.recorder.recorded(self.machine.time())
+    }
+
+    /// Seconds until the player stops.
     fn rest(&self) -> f64 {
-        self.end - self.recorder.recorded(&self.machine)
+        self.end - self.recorded()
     }
 
+    /// Whether the player stops here, apart from rounding.
     fn is_over(&self) -> bool {
-        self.rest() <= SAME * self.recorder.recorded(&self.machine)
+        self.rest() <= SAME * self.recorded()
     }
 
-    fn all(&mut self, phases: &[Phase]) -> Result<(), RunError> {
-        phases.iter().try_for_each(|phase| self.one(phase))
+    /// Plays phases in their order.
+    fn play_all(&mut self, phases: &[Phase]) -> Result<(), RunError> {
+        phases.iter().try_for_each(|phase| self.play(phase))
     }
 
-    /// Goes through one phase.
-    pub fn one(&mut self, phase: &Phase) -> Result<(), RunError> {
+    /// Plays one phase. After the end of the run, and in hold after an overload, phases are skipped.
+    ///
+    /// # Errors
+    /// If the machine fails, or the phase cannot be carried out.
+    pub fn play(&mut self, phase: &Phase) -> Result<(), RunError> {
         match phase {
             Phase::Operate { time, until } => self.operate(*time, until.as_ref()),
             _ if self.is_over() => Ok(()),
@@ -86,43 +104,57 @@ impl<'p, 'w> Player<'p, 'w> {
         }
     }
 
+    /// Plays phases several times (repetitive operation).
     fn repeat(&mut self, times: u64, phases: &[Phase]) -> Result<(), RunError> {
         for _ in 0..times {
             if self.is_over() {
                 break;
             }
-            self.all(phases)?;
+            self.play_all(phases)?;
         }
         Ok(())
     }
 
-    /// Goes through a phase between its marks.
+    /// Plays a phase and records its beginning and its end.
     fn marked(
         &mut self,
-        deed: Deed,
+        phase: Deed,
         act: impl FnOnce(&mut Self) -> Result<Ending, RunError>,
     ) -> Result<(), RunError> {
-        self.recorder.mark(&self.machine, deed);
+        self.recorder.mark(self.machine.time(), phase);
         let outcome = act(self);
-        self.recorder.mark_end(&self.machine, outcome.clone().unwrap_or(Ending::Stopped));
+        self.mark_end(outcome.clone().unwrap_or(Ending::Stopped));
         outcome.map(drop)
     }
 
+    /// Records the end of the present phase.
+    fn mark_end(&mut self, ended: Ending) {
+        self.recorder.mark_end(self.machine.time(), &self.machine.lamps, ended);
+    }
+
+    /// Records the present voltages, unless the last sample shows them.
+    fn show(&mut self) {
+        self.recorder.show(&self.machine.solver, &self.machine.lamps);
+    }
+
+    /// Ends the sweep and puts the machine into initial condition.
     fn initial_condition(&mut self) -> Result<(), RunError> {
-        self.recorder.end(&self.machine, self.is_held);
+        let Machine { solver, lamps, work, .. } = &self.machine;
+        self.recorder.end(solver, lamps, *work, self.is_held);
         self.is_held = false;
         let outcome = self.machine.initial_condition();
-        self.recorder.changed();
+        self.recorder.invalidate_sample();
         self.marked(Deed::InitialCondition, |_| outcome.map(|()| Ending::Time))
     }
 
+    /// Operates for a time in seconds, or until a relay switches.
     fn operate(&mut self, time: f64, until: Option<&Until>) -> Result<(), RunError> {
         let Some(operating) = self.begin_operating(time, until)? else { return Ok(()) };
-        let outcome = self.machine.operate_with(operating.time, &mut self.recorder);
+        let outcome = self.machine.operate_observed(operating.time, &mut self.recorder);
         self.end_operating(operating, outcome)
     }
 
-    /// Begins a phase in which the machine operates; nothing where it is passed over.
+    /// Begins a phase in which the machine operates; `None` if the phase is skipped.
     pub fn begin_operating(
         &mut self,
         time: f64,
@@ -133,23 +165,23 @@ impl<'p, 'w> Player<'p, 'w> {
             return Ok(None);
         }
         let time = time.min(self.rest());
-        self.recorder.show(&self.machine);
-        let program = self.machine.program;
+        self.show();
+        let program = self.machine.solver.setup.program;
         let relay = until.map(|until| relay(program, until)).transpose()?;
         self.recorder.watch = relay.map(|(relay, wanted)| Watch {
             mode: relay.mode,
-            last: self.machine.modes[relay.mode],
+            last: self.machine.solver.state.modes[relay.mode],
             wanted,
             is_met: false,
         });
         let named = |until: &Until| {
             (until.relay.value.clone(), until.becomes.as_ref().map(|position| position.value.clone()))
         };
-        self.recorder.mark(&self.machine, Deed::Operate { until: until.map(named) });
+        self.recorder.mark(self.machine.time(), Deed::Operate { until: until.map(named) });
         Ok(Some(Operating { time, relay: relay.map(|(relay, _)| relay) }))
     }
 
-    /// Ends it when the machine has operated.
+    /// Ends the phase after the machine has operated with this outcome.
     pub fn end_operating(
         &mut self,
         operating: Operating<'p>,
@@ -158,16 +190,18 @@ impl<'p, 'w> Player<'p, 'w> {
         let watch = self.recorder.watch.take().filter(|watch| watch.is_met);
         let switched = operating.relay.zip(watch).map(|(relay, watch)| position(relay, watch));
         let ending = outcome.map(|()| self.ending(switched));
-        self.recorder.mark_end(&self.machine, ending.clone().unwrap_or(Ending::Stopped));
+        self.mark_end(ending.clone().unwrap_or(Ending::Stopped));
         ending.map(drop)
     }
 
-    /// Why operating ended, by its clock or before.
+    /// Why operation ended: by time, by an overload, or by the relay that switched to this position.
     fn ending(&mut self, switched: Option<String>) -> Ending {
         match switched {
             Some(position) => {
-                self.machine.end_phase();
-                self.recorder.show(&self.machine);
+                if let Some(own) = &mut self.machine.solver.sensitivities {
+                    own.end_phase();
+                }
+                self.show();
                 Ending::Switched(position)
             }
             None if self.machine.mode() == MachineMode::Hold => {
@@ -178,71 +212,79 @@ impl<'p, 'w> Player<'p, 'w> {
         }
     }
 
+    /// Holds the machine for a time in seconds. An overload may end the sweep instead.
     fn hold(&mut self, time: f64) -> Result<(), RunError> {
-        self.recorder.show(&self.machine);
+        self.show();
         self.machine.hold();
         self.marked(Deed::Hold, |player| {
-            if player.recorder.has_seen_enough(&player.machine) {
+            if player.recorder.should_stop(&player.machine.lamps) {
                 player.is_held = true;
                 return Ok(Ending::Overload);
             }
-            player.machine.enter_phase();
-            player.recorder.hold(&player.machine, time);
-            player.machine.leave_event()?;
+            player.machine.solver.enter_phase();
+            player.recorder.hold(&player.machine.solver, time);
+            player.machine.solver.leave_event()?;
             Ok(Ending::Time)
         })
     }
 
+    /// Sets parameters to the values of their formulas, which are all evaluated before the first change.
+    ///
+    /// # Errors
+    /// If a formula has no value, a parameter cannot have its value, noise becomes too fine, or the scale of a recorded
+    /// signal changes.
     fn set(&mut self, changes: &[Change]) -> Result<(), RunError> {
-        self.recorder.show_end(&self.machine, self.is_held);
+        self.recorder.show_end(&self.machine.solver, &self.machine.lamps, self.is_held);
         let values: Result<Vec<_>, _> = changes.iter().map(|change| self.new_value(change)).collect();
-        let told = values.as_ref().cloned().unwrap_or_default();
-        self.machine.enter_phase();
+        let listed = values.as_ref().cloned().unwrap_or_default();
+        self.machine.solver.enter_phase();
         let slopes: Vec<_> = changes.iter().map(|change| self.slopes(change)).collect();
-        self.marked(Deed::Set(told), |player| {
+        self.marked(Deed::Set(listed), |player| {
             let values = values?;
             let pairs: Vec<_> = values.iter().map(|new| (new.parameter.as_str(), new.value)).collect();
-            player.machine.turn(&pairs, Some(&slopes))?;
-            player.machine.check_noise(player.left)?;
-            player.recorder.changed();
-            match player.recorder.rescaled(&player.machine) {
+            player.machine.set_with_slopes(&pairs, Some(&slopes))?;
+            let solver = &player.machine.solver;
+            check_noise(solver.setup.program, &solver.state.level_sources, player.left)?;
+            player.recorder.invalidate_sample();
+            match player.recorder.rescaled(solver) {
                 Some(signal) => Err(RunError::Rescaled { signal: signal.to_owned() }),
                 None => Ok(Ending::Time),
             }
         })
     }
 
-    /// What the formulas of the run see now.
+    /// The present values that formulas of the run can name.
     fn standing(&self) -> Standing<'_> {
-        let machine = &self.machine;
+        let state = &self.machine.solver.state;
         Standing {
-            program: machine.program,
-            parameters: &machine.parameters,
-            coefficients: &machine.coefficients,
-            registers: Some(&machine.registers),
+            program: self.machine.solver.setup.program,
+            parameters: &state.parameters,
+            coefficients: &state.coefficients,
+            registers: Some(&state.voltages),
         }
     }
 
-    /// The slopes of what a change sets its parameter to, by those along which derivatives are carried.
+    /// The slopes of the new value of a parameter, one for every parameter by which derivatives are carried along.
     fn slopes(&self, change: &Change) -> Vec<f64> {
-        let own = self.machine.sensitivities.as_ref();
-        own.map_or(Vec::new(), |own| own.of_formula(&self.standing(), &change.to.value))
+        let own = self.machine.solver.sensitivities.as_ref();
+        own.map_or(Vec::new(), |own| own.slopes_of_formula(&self.standing(), &change.to.value))
     }
 
+    /// The value to which a change sets its parameter, in the declared unit, and the value before.
     fn new_value(&self, change: &Change) -> Result<NewValue, RunError> {
-        let (machine, standing) = (&self.machine, self.standing());
+        let (solver, standing) = (&self.machine.solver, self.standing());
         let (name, formula) = (&change.parameter.value, &change.to.value);
-        let index =
-            machine.program.parameter(name).ok_or_else(|| RunError::UnknownParameter(name.clone()))?;
+        let program = solver.setup.program;
+        let index = program.parameter_index(name)?;
         let value = standing.value_for(index, formula);
         let value = value.map_err(|error| bad_formula(change, error.message))?;
-        let slot = &machine.program.parameters[index];
-        let before = machine.parameters[index] / slot.per_unit;
+        let slot = &program.parameters[index];
+        let before = solver.state.parameters[index] / slot.per_unit;
         Ok(NewValue { parameter: name.clone(), value, before, unit: slot.unit.clone() })
     }
 }
 
-/// Whether the first thing done is to go into initial condition.
+/// Whether the first phase, also within repetitions, is the initial condition.
 pub(super) fn begins_in_initial_condition(phases: &[Phase]) -> bool {
     match phases.first() {
         Some(Phase::InitialCondition) => true,
@@ -251,7 +293,7 @@ pub(super) fn begins_in_initial_condition(phases: &[Phase]) -> bool {
     }
 }
 
-/// The relay that ends a phase, and the value of its mode that is waited for.
+/// The relay that ends a phase, and the value that its mode must take; `None` for any change.
 fn relay<'p>(program: &'p Program, until: &Until) -> Result<(&'p Switch, Option<f64>), RunError> {
     let name = &until.relay.value;
     let element = program.element(name).ok_or_else(|| RunError::UnknownElement(name.clone()))?;
@@ -268,11 +310,15 @@ fn relay<'p>(program: &'p Program, until: &Until) -> Result<(&'p Switch, Option<
     }
 }
 
+/// The name of the position in which a watched relay is.
 fn position(relay: &Switch, watch: Watch) -> String {
     relay.positions.get(watch.last as usize).copied().unwrap_or_default().to_owned()
 }
 
-/// Whether a program has everything that phases name, in fitting units.
+/// Checks that a program has everything that phases name, in fitting units.
+///
+/// # Errors
+/// If a parameter, relay or position is unknown, or the unit of a formula does not fit its parameter.
 pub(super) fn check(program: &Program, phases: &[Phase]) -> Result<(), RunError> {
     let mut outcome = Ok(());
     let mut each = |phase: &Phase| {
@@ -288,9 +334,9 @@ pub(super) fn check(program: &Program, phases: &[Phase]) -> Result<(), RunError>
     outcome
 }
 
+/// Checks the name of the parameter that a change sets, and the unit of its formula.
 fn check_change(program: &Program, change: &Change) -> Result<(), RunError> {
-    let name = &change.parameter.value;
-    let index = program.parameter(name).ok_or_else(|| RunError::UnknownParameter(name.clone()))?;
+    let index = program.parameter_index(&change.parameter.value)?;
     let standing = Standing { program, parameters: &[], coefficients: &[], registers: None };
     let measure = change.to.value.dimension(&standing);
     let measure = measure.map_err(|error| bad_formula(change, error.message))?;
@@ -303,6 +349,7 @@ fn check_change(program: &Program, change: &Change) -> Result<(), RunError> {
     }
 }
 
+/// The error of a formula that gives no value for its parameter.
 fn bad_formula(change: &Change, message: String) -> RunError {
     let (parameter, formula) = (change.parameter.value.clone(), change.to.value.text().to_owned());
     RunError::BadFormula { parameter, formula, message }

@@ -1,66 +1,80 @@
-//! The recorder: writes down voltages on a time grid of its own while the machine runs and holds.
+//! The recorder: samples voltages on a separate time grid while the machine operates and holds.
+//!
+//! The recorder's clock counts the time of the machine and the time in hold. A sample within a step is interpolated, so
+//! recording never changes the steps. For every signal the recorder also keeps the minimum and the maximum, which need
+//! not be at a sample.
 
 use std::ops::Range;
 
 use super::error::RunError;
-use super::glide::Flight;
-use super::machine::{Machine, Witness};
+use super::fast_path::KernelRun;
+use super::lamps::Lamps;
+use super::observer::StepObserver;
 use super::run::RunSettings;
+use super::state::Solver;
 use crate::grid::{Grid, SAME};
 use crate::ir::{Probe, Program, Register};
 use crate::kernel::Steps;
-use crate::trace::{Deed, Ending, Mark, Sweep, Trace, Track};
+use crate::trace::{Deed, Ending, Mark, Sweep, Trace, Track, Work};
 
-/// Writes down voltages on a time grid of its own. Its clock runs on while the machine holds.
+/// Samples voltages on a separate time grid. Its clock also runs while the machine holds.
 pub(super) struct Recorder<'a> {
+    /// The record so far.
     pub trace: Trace,
+    /// Called with the seconds recorded so far, summed over all runs.
     progress: &'a mut dyn FnMut(f64),
-    /// Time recorded before this sweep.
+    /// Seconds recorded before the present sweep.
     before: f64,
+    /// The recorded signals.
     probes: Vec<Probe>,
     grid: Grid,
+    /// Index of the next sample in the grid of the present sweep.
     next: u64,
-    /// When that is.
+    /// Time of the next sample by the recorder's clock.
     next_time: f64,
-    /// Its clock less problem time: how long this sweep was held.
+    /// Seconds that the present sweep was held: the recorder's clock minus problem time.
     held: f64,
     /// Whether a sweep has begun since the last initial condition.
     running: bool,
-    /// Whether the last sample shows the machine as it is now.
+    /// Whether the last sample shows the present voltages.
     is_fresh: bool,
-    /// How long the sweep had been held when a lamp lit, by element.
+    /// The seconds that the sweep had been held when a lamp lit, by element; `None` for a lamp that is off.
     lit: Vec<Option<f64>>,
+    /// Whether the machine goes into hold when a lamp lights.
     hold_on_overload: bool,
-    /// The switching that ends the present phase.
+    /// The change of a relay that ends the present phase; `None` if no relay does.
     pub watch: Option<Watch>,
-    /// Every voltage before the relays of the last instant switched, while there is a watch.
+    /// Every voltage just before the last changes of mode, while a relay is watched.
     unswitched: Vec<f64>,
-    /// The derivatives of that instant, as they are recorded.
+    /// The recorded derivatives just before the last changes of mode.
     unswitched_derivatives: Vec<f64>,
 }
 
-/// The instant that is written down.
+/// The instant that a sample shows.
 #[derive(Clone, Copy)]
 enum Instant {
-    /// As the machine stands.
+    /// The present.
     Now,
-    /// As it stood where it was last looked back at.
-    Then,
+    /// The instant that the solver interpolated last.
+    Interpolated,
 }
 
-/// A mode that is waited for.
+/// A mode whose change ends a phase.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Watch {
+    /// Index of the mode.
     pub mode: usize,
-    /// Its value when it was last looked at.
+    /// Value of the mode when it was read last.
     pub last: f64,
-    /// The value that it must go to; any other than `last` without one.
+    /// The value that the mode must take; `None` for any value other than `last`.
     pub wanted: Option<f64>,
+    /// Whether the change has come.
     pub is_met: bool,
 }
 
 impl Watch {
-    fn look(&mut self, modes: &[f64]) {
+    /// Reads the mode after a step.
+    fn read(&mut self, modes: &[f64]) {
         let value = modes[self.mode];
         self.is_met |= value != self.last && self.wanted.is_none_or(|wanted| wanted == value);
         self.last = value;
@@ -68,16 +82,20 @@ impl Watch {
 }
 
 impl<'a> Recorder<'a> {
+    /// A recorder of the signals that the settings name.
+    ///
+    /// # Errors
+    /// If a signal is unknown.
     pub fn new(
         program: &Program,
-        machine: &Machine<'_>,
+        solver: &Solver<'_>,
         settings: &RunSettings,
         progress: &'a mut dyn FnMut(f64),
     ) -> Result<Self, RunError> {
         let probes: Result<Vec<_>, _> = settings.record.iter().map(|name| find(program, name)).collect();
         let probes = probes?;
-        let mut tracks: Vec<_> = probes.iter().map(|probe| track(probe, machine)).collect();
-        let derivatives = tracks.iter().flat_map(|track| derivatives(track, machine, settings));
+        let mut tracks: Vec<_> = probes.iter().map(|probe| track(probe, solver)).collect();
+        let derivatives = tracks.iter().flat_map(|track| derivatives(track, solver, settings));
         let derivatives: Vec<_> = derivatives.collect();
         let count = derivatives.len();
         tracks.extend(derivatives);
@@ -95,138 +113,144 @@ impl<'a> Recorder<'a> {
             lit: vec![None; program.elements.len()],
             hold_on_overload: settings.hold_on_overload,
             watch: None,
-            unswitched: vec![0.0; machine.registers.len()],
+            unswitched: vec![0.0; solver.state.voltages.len()],
             unswitched_derivatives: vec![0.0; count],
         })
     }
 
-    /// Where what is recorded stands.
+    /// The registers of the recorded voltages.
     pub fn registers(&self) -> Vec<Register> {
         self.probes.iter().map(|probe| probe.register).collect()
     }
 
-    /// Its clock: seconds since the sweep began.
-    fn clock(&self, machine: &Machine<'_>) -> f64 {
-        machine.time() + self.held
+    /// The recorder's clock at a problem time: seconds since the sweep began.
+    fn clock(&self, time: f64) -> f64 {
+        time + self.held
     }
 
-    /// Seconds recorded so far, all runs added up.
-    pub fn recorded(&self, machine: &Machine<'_>) -> f64 {
-        self.before + if self.running { self.clock(machine) } else { 0.0 }
+    /// Seconds recorded up to a problem time, summed over all runs.
+    pub fn recorded(&self, time: f64) -> f64 {
+        self.before + if self.running { self.clock(time) } else { 0.0 }
     }
 
-    /// Begins a sweep if none has begun, and writes down how the machine stands where nothing shows it.
-    pub fn show(&mut self, machine: &Machine<'_>) {
+    /// Begins a sweep if none has begun, and records the present voltages unless the last sample shows them.
+    pub fn show(&mut self, solver: &Solver<'_>, lamps: &Lamps) {
         if !self.running {
             self.trace.sweeps.push(Sweep { first: self.trace.time.len(), ..Sweep::default() });
             (self.held, self.running, self.is_fresh) = (0.0, true, false);
             self.wait_for(1);
-            // What is lit already lit in initial condition.
-            self.lit = machine.lamps.iter().map(|lamp| lamp.map(|_| 0.0)).collect();
+            // A lamp that is lit now was already lit in initial condition.
+            self.lit = lamps.lit.iter().map(|lamp| lamp.map(|_| 0.0)).collect();
         }
         if !self.is_fresh {
-            self.write(self.clock(machine), machine, Instant::Now);
+            self.write(self.clock(solver.state.time), solver, Instant::Now);
             self.is_fresh = true;
         }
     }
 
-    /// Writes down how the machine stands before a hand changes something, where the sweep goes on after it.
-    pub fn show_end(&mut self, machine: &Machine<'_>, is_held: bool) {
+    /// Records the present voltages before a change by hand, if the sweep continues after it.
+    pub fn show_end(&mut self, solver: &Solver<'_>, lamps: &Lamps, is_held: bool) {
         if self.running && !is_held {
-            self.show(machine);
+            self.show(solver, lamps);
         }
     }
 
-    /// Takes note that a phase begins. One that takes time begins at the last sample, any other before the next.
-    pub fn mark(&mut self, machine: &Machine<'_>, phase: Deed) {
+    /// Records that a phase begins at a problem time. A phase that takes time begins at the last sample, any other
+    /// phase before the next sample.
+    pub fn mark(&mut self, time: f64, phase: Deed) {
         let takes_time = matches!(phase, Deed::Operate { .. } | Deed::Hold);
-        let begin = if self.running { self.clock(machine) } else { 0.0 };
+        let begin = if self.running { self.clock(time) } else { 0.0 };
         self.trace.marks.push(Mark {
             phase,
             sweep: self.trace.sweeps.len() - usize::from(self.running),
             begin,
             end: begin,
-            problem_time: machine.time(),
+            problem_time: time,
             sample: self.trace.len() - usize::from(takes_time),
             ended: Ending::Time,
         });
     }
 
-    /// Takes note that the phase ended.
-    pub fn mark_end(&mut self, machine: &Machine<'_>, ended: Ending) {
-        let end = if self.running { self.clock(machine) } else { 0.0 };
+    /// Records that the phase ended at a problem time, and which lamps are lit.
+    pub fn mark_end(&mut self, time: f64, lamps: &Lamps, ended: Ending) {
+        let end = if self.running { self.clock(time) } else { 0.0 };
         if let Some(mark) = self.trace.marks.last_mut() {
             (mark.end, mark.ended) = (end, ended);
         }
-        for (lit, lamp) in self.lit.iter_mut().zip(&machine.lamps) {
+        for (lit, lamp) in self.lit.iter_mut().zip(&lamps.lit) {
             *lit = lit.or(lamp.map(|_| self.held));
         }
     }
 
-    /// Takes note that a hand has changed something: the last sample does not show it.
-    pub fn changed(&mut self) {
+    /// Notes that a change was made by hand, so the last sample does not show the present voltages.
+    pub fn invalidate_sample(&mut self) {
         self.is_fresh = false;
     }
 
-    /// Records a machine that stands still.
-    pub fn hold(&mut self, machine: &Machine<'_>, time: f64) {
-        let end = self.clock(machine) + time;
+    /// Records a machine that is held for a time in seconds. All samples show the same voltages.
+    pub fn hold(&mut self, solver: &Solver<'_>, time: f64) {
+        let end = self.clock(solver.state.time) + time;
         self.is_fresh = false;
         while let Some(time) = self.next_before(end * (1.0 + SAME)) {
-            self.write(time, machine, Instant::Now);
+            self.write(time, solver, Instant::Now);
             self.wait_for(self.next + 1);
             self.is_fresh = time > end * (1.0 - SAME);
         }
         self.held += time;
-        self.tell_progress(machine);
+        self.report_progress(solver.state.time);
     }
 
-    fn tell_progress(&mut self, machine: &Machine<'_>) {
-        let recorded = self.recorded(machine);
+    /// Calls `progress` with the seconds recorded up to a problem time.
+    fn report_progress(&mut self, time: f64) {
+        let recorded = self.recorded(time);
         (self.progress)(recorded);
     }
 
-    /// Ends the sweep, if one has begun.
-    pub fn end(&mut self, machine: &Machine<'_>, held: bool) {
+    /// Ends the sweep, if one has begun: adds its end, its overloads and its work to the record. `held` is whether an
+    /// overload ended it.
+    pub fn end(&mut self, solver: &Solver<'_>, lamps: &Lamps, work: Work, held: bool) {
         if !std::mem::take(&mut self.running) {
             return;
         }
-        let end = self.clock(machine);
+        let program = solver.setup.program;
+        let end = self.clock(solver.state.time);
         if let Some(sweep) = self.trace.sweeps.last_mut() {
-            sweep.overloads = machine.overloads();
+            sweep.overloads = lamps.history(program);
             for overload in &mut sweep.overloads {
-                let lit = machine.program.element(&overload.element).and_then(|element| self.lit[element]);
+                let lit = program.element(&overload.element).and_then(|element| self.lit[element]);
                 overload.time += lit.unwrap_or(self.held);
             }
-            (sweep.end, sweep.work, sweep.held) = (end, machine.work(), held);
+            (sweep.end, sweep.work, sweep.held) = (end, work, held);
         }
         self.before += end;
     }
 
-    /// A recorded signal whose scale is not what it was when the record began.
-    pub fn rescaled(&self, machine: &Machine<'_>) -> Option<&str> {
+    /// A recorded signal whose scale changed since the record began; `None` if there is none.
+    pub fn rescaled(&self, solver: &Solver<'_>) -> Option<&str> {
         let pairs = self.trace.tracks.iter().zip(&self.probes);
-        let mut changed = pairs.filter(|(track, probe)| track.per_volt != per_volt(probe, machine));
+        let mut changed = pairs.filter(|(track, probe)| track.per_volt != per_volt(probe, solver));
         changed.next().map(|(track, _)| track.name.as_str())
     }
 
-    /// The next instant of the grid, if it comes before a time.
+    /// The time of the next sample by the recorder's clock, if it is before `end`.
     fn next_before(&self, end: f64) -> Option<f64> {
         (self.next_time < end).then_some(self.next_time)
     }
 
+    /// Moves on to the sample of this index.
     fn wait_for(&mut self, next: u64) {
         (self.next, self.next_time) = (next, self.grid.time(next));
     }
 
-    fn write(&mut self, time: f64, machine: &Machine<'_>, instant: Instant) {
+    /// Writes a sample at a time of the recorder's clock.
+    fn write(&mut self, time: f64, solver: &Solver<'_>, instant: Instant) {
         let run = self.trace.sweeps.len() - 1;
         self.trace.time.push(time);
-        let values = values(&self.probes, machine, instant);
+        let values = values(&self.probes, solver, instant);
         self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(run, time, value));
     }
 
-    /// Writes down the last instant as it was before relays switched.
+    /// Writes a sample of the voltages just before the last changes of mode.
     fn write_unswitched(&mut self, time: f64) {
         let run = self.trace.sweeps.len() - 1;
         self.trace.time.push(time);
@@ -235,141 +259,141 @@ impl<'a> Recorder<'a> {
         self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.record(run, time, value));
     }
 
-    /// Writes down what was seen in a flight.
-    fn write_seen(&mut self, time: f64, seen: impl Iterator<Item = f64>) {
+    /// Writes a sample of the voltages of a kernel, and moves on to the next sample.
+    fn write_voltages(&mut self, time: f64, voltages: impl Iterator<Item = f64>) {
         self.trace.time.push(time);
-        self.trace.tracks.iter_mut().zip(seen).for_each(|(track, volts)| track.volts.push(volts));
+        self.trace.tracks.iter_mut().zip(voltages).for_each(|(track, volts)| track.volts.push(volts));
         self.wait_for(self.next + 1);
     }
 
-    /// When a step ends, by its clock.
+    /// The time at which a step ends, by the recorder's clock.
     fn end_of(&self, steps: Steps, step: u64) -> f64 {
         steps.end_of(step) + self.held
     }
 
-    /// All of some steps, where the next instant of its grid comes before their end; else none.
+    /// All of some steps if a sample comes before their end, else an empty range.
     fn steps_with_samples(&self, steps: Steps) -> Range<u64> {
         let comes = steps.count > 0 && self.next_time < self.end_of(steps, steps.count - 1) * (1.0 + SAME);
         0..if comes { steps.count } else { 0 }
     }
 
-    /// Takes note of what a flight has worked out within a step; how far its steps went is seen when it ends.
-    fn see_within(&mut self, time: f64, flight: &Flight) {
-        let run = self.trace.sweeps.len() - 1;
-        let values = self.trace.tracks.iter_mut().zip(flight.seen());
-        values.for_each(|(track, volts)| track.see(run, time, volts));
+    /// Updates extrema by the voltages that a kernel evaluated within a step. Those at the ends of steps are read when
+    /// the kernel run ends.
+    fn see_within(&mut self, time: f64, run: &KernelRun) {
+        let sweep = self.trace.sweeps.len() - 1;
+        let values = self.trace.tracks.iter_mut().zip(run.voltages());
+        values.for_each(|(track, volts)| track.see(sweep, time, volts));
     }
 
-    /// The instant of the grid that the machine has come to, if it has.
-    pub fn due(&self, machine: &Machine<'_>) -> Option<f64> {
-        self.next_before(self.clock(machine) * (1.0 + SAME))
+    /// The time of the sample that is due at a problem time; `None` if no sample is due.
+    pub fn due(&self, time: f64) -> Option<f64> {
+        self.next_before(self.clock(time) * (1.0 + SAME))
     }
 
-    /// Writes down the instant at the end of a quiet step, if it is due, as the flight has worked it out.
-    pub fn glided_to(&mut self, machine: &Machine<'_>, flight: &Flight) {
-        let due = self.due(machine);
+    /// Writes the sample at the end of a kernel's step, if it is due. The kernel has evaluated its voltages.
+    pub fn sample_kernel(&mut self, time: f64, run: &KernelRun) {
+        let due = self.due(time);
         if let Some(time) = due {
-            self.write_seen(time, flight.seen());
+            self.write_voltages(time, run.voltages());
         }
         self.is_fresh = due.is_some();
-        self.tell_progress(machine);
+        self.report_progress(time);
     }
 
-    /// Takes note of where signals went further within the last stretch than ever before.
-    fn see_turns(&mut self, machine: &mut Machine<'_>) {
+    /// Updates extrema of signals within the last step.
+    fn see_extrema(&mut self, solver: &mut Solver<'_>) {
         let run = self.trace.sweeps.len() - 1;
         for (track, probe) in self.trace.tracks.iter_mut().zip(&self.probes) {
             let Some(course) = track.courses.get(run) else { continue };
-            let turns = machine.turns_beyond(probe.register, [course.least.volts, course.most.volts]);
-            turns.into_iter().flatten().for_each(|(time, volts)| track.see(run, time + self.held, volts));
+            let extrema = solver.extrema_beyond(probe.register, [course.least.volts, course.most.volts]);
+            extrema.into_iter().flatten().for_each(|(time, volts)| track.see(run, time + self.held, volts));
         }
     }
 
-    /// Takes note of the voltages of now.
-    fn see(&mut self, machine: &Machine<'_>) {
-        let (run, time) = (self.trace.sweeps.len() - 1, self.clock(machine));
-        let values = values(&self.probes, machine, Instant::Now);
+    /// Updates extrema by the present voltages.
+    fn see(&mut self, solver: &Solver<'_>) {
+        let (run, time) = (self.trace.sweeps.len() - 1, self.clock(solver.state.time));
+        let values = values(&self.probes, solver, Instant::Now);
         self.trace.tracks.iter_mut().zip(values).for_each(|(track, value)| track.see(run, time, value));
     }
 }
 
-impl Witness for Recorder<'_> {
-    /// Writes down the instants of the grid inside a stretch, and sees its end as it is before relays switch.
-    fn stretch(&mut self, machine: &mut Machine<'_>) {
-        while let Some(time) = self.next_before(self.clock(machine) * (1.0 - SAME)) {
-            machine.look_back(time - self.held);
-            self.write(time, machine, Instant::Then);
+impl StepObserver for Recorder<'_> {
+    /// Writes the samples within the step, and updates extrema by the step and its end before modes change.
+    fn step_accepted(&mut self, solver: &mut Solver<'_>) {
+        while let Some(time) = self.next_before(self.clock(solver.state.time) * (1.0 - SAME)) {
+            solver.interpolate(time - self.held);
+            self.write(time, solver, Instant::Interpolated);
             self.wait_for(self.next + 1);
         }
-        self.see_turns(machine);
-        self.see(machine);
-        self.before_jump(machine);
+        self.see_extrema(solver);
+        self.see(solver);
+        self.before_jump(solver);
     }
 
-    /// Keeps what there is before relays switch.
-    fn before_jump(&mut self, machine: &Machine<'_>) {
+    /// Keeps the voltages before relays switch.
+    fn before_jump(&mut self, solver: &Solver<'_>) {
         if self.watch.is_some() {
-            self.unswitched.copy_from_slice(&machine.registers);
-            let derivatives = values(&self.probes, machine, Instant::Now).skip(self.probes.len());
+            self.unswitched.copy_from_slice(&solver.state.voltages);
+            let derivatives = values(&self.probes, solver, Instant::Now).skip(self.probes.len());
             self.unswitched_derivatives.iter_mut().zip(derivatives).for_each(|(place, value)| *place = value);
         }
     }
 
-    /// Writes down the instant at its end, as it is after relays have switched; where that ends the phase, as it was
-    /// before too.
-    fn arrival(&mut self, machine: &Machine<'_>) {
-        let due = self.due(machine);
+    /// Writes the sample at the end of the step, after relays have switched. If that ends the phase, the voltages
+    /// before are written, too.
+    fn step_ended(&mut self, solver: &Solver<'_>) {
+        let due = self.due(solver.state.time);
         if let Some(watch) = &mut self.watch {
-            watch.look(&machine.modes);
+            watch.read(&solver.state.modes);
         }
-        if self.has_met() {
-            self.write_unswitched(due.unwrap_or(self.clock(machine)));
+        if self.is_phase_over() {
+            self.write_unswitched(due.unwrap_or(self.clock(solver.state.time)));
         }
-        self.see(machine);
+        self.see(solver);
         self.is_fresh = due.is_some();
         if let Some(time) = due {
-            self.write(time, machine, Instant::Now);
+            self.write(time, solver, Instant::Now);
             self.wait_for(self.next + 1);
         }
-        self.tell_progress(machine);
+        self.report_progress(solver.state.time);
     }
 
     fn next_sample(&self) -> f64 {
         self.next_time - self.held
     }
 
-    /// Writes down the instants of the grid within the last quiet stretch.
-    fn glided_up_to(&mut self, machine: &Machine<'_>, flight: &mut Flight) {
-        while let Some(time) = self.next_before(self.clock(machine) * (1.0 - SAME)) {
-            flight.look_back(&machine.program.tables, time - self.held);
-            self.see_within(time, flight);
-            self.write_seen(time, flight.seen());
+    /// Writes the samples within the kernel's last step.
+    fn kernel_reached_jump(&mut self, time: f64, tables: &[Vec<[f64; 2]>], run: &mut KernelRun) {
+        while let Some(sample) = self.next_before(self.clock(time) * (1.0 - SAME)) {
+            run.interpolate(tables, sample - self.held);
+            self.see_within(sample, run);
+            self.write_voltages(sample, run.voltages());
         }
     }
 
-    /// The same, and at its end.
-    fn glided(&mut self, machine: &Machine<'_>, flight: &mut Flight) {
-        self.glided_up_to(machine, flight);
-        let tables = &machine.program.tables;
-        if self.due(machine).is_some() {
-            flight.show(tables);
+    /// Writes the samples within the kernel's last step and at its end.
+    fn kernel_stepped(&mut self, time: f64, tables: &[Vec<[f64; 2]>], run: &mut KernelRun) {
+        self.kernel_reached_jump(time, tables, run);
+        if self.due(time).is_some() {
+            run.show(tables);
         }
-        self.glided_to(machine, flight);
+        self.sample_kernel(time, run);
     }
 
-    /// Writes down the instants of the grid at the ends of steps.
-    fn glided_along(&mut self, machine: &Machine<'_>, flight: &Flight, steps: Steps) {
+    /// Writes the samples at the ends of the kernel's steps.
+    fn kernel_stepped_recording(&mut self, time: f64, run: &KernelRun, steps: Steps) {
         self.is_fresh = false;
         for step in self.steps_with_samples(steps) {
             self.is_fresh = self.next_time < self.end_of(steps, step) * (1.0 + SAME);
             if self.is_fresh {
-                self.write_seen(self.next_time, flight.seen_after(step));
+                self.write_voltages(self.next_time, run.voltages_after(step));
             }
         }
-        self.tell_progress(machine);
+        self.report_progress(time);
     }
 
-    fn steps_before_stray(&self, steps: Steps) -> u64 {
+    fn steps_before_inner_sample(&self, steps: Steps) -> u64 {
         let (mut next, mut time) = (self.next, self.next_time);
         for step in self.steps_with_samples(steps) {
             let end = self.end_of(steps, step);
@@ -384,59 +408,59 @@ impl Witness for Recorder<'_> {
         steps.count
     }
 
-    /// Sees what the quiet stretches went through.
-    fn landed(&mut self, flight: &Flight) {
-        let run = self.trace.sweeps.len() - 1;
-        for (track, (extremes, last)) in
-            self.trace.tracks.iter_mut().zip(flight.extremes().zip(flight.seen()))
+    /// Updates extrema by those of the kernel run.
+    fn left_fast_path(&mut self, run: &KernelRun) {
+        let sweep = self.trace.sweeps.len() - 1;
+        for (track, (extremes, last)) in self.trace.tracks.iter_mut().zip(run.extremes().zip(run.voltages()))
         {
             let met = extremes.into_iter().flatten().filter(|(at, _)| at.is_finite());
-            met.for_each(|(at, volts)| track.see(run, at + self.held, volts));
-            track.see(run, flight.time() + self.held, last);
+            met.for_each(|(at, volts)| track.see(sweep, at + self.held, volts));
+            track.see(sweep, run.time() + self.held, last);
         }
     }
 
-    fn has_seen_enough(&self, machine: &Machine<'_>) -> bool {
-        self.hold_on_overload && machine.is_overloaded()
+    fn should_stop(&self, lamps: &Lamps) -> bool {
+        self.hold_on_overload && lamps.is_any_lit()
     }
 
-    fn has_met(&self) -> bool {
+    fn is_phase_over(&self) -> bool {
         self.watch.is_some_and(|watch| watch.is_met)
     }
 }
 
+/// The signal of this name.
 fn find(program: &Program, name: &str) -> Result<Probe, RunError> {
     let found = program.signals.iter().find(|probe| probe.name == name).cloned();
     found.ok_or_else(|| RunError::UnknownSignal(name.to_owned()))
 }
 
-fn track(probe: &Probe, machine: &Machine<'_>) -> Track {
-    Track::new(&probe.name, &probe.unit, per_volt(probe, machine))
+/// An empty track of a signal.
+fn track(probe: &Probe, solver: &Solver<'_>) -> Track {
+    Track::new(&probe.name, &probe.unit, per_volt(probe, solver))
 }
 
-/// The tracks of the derivatives of a signal, by every parameter asked for.
-fn derivatives(track: &Track, machine: &Machine<'_>, settings: &RunSettings) -> Vec<Track> {
+/// Empty tracks of the derivatives of a signal, one for every parameter of the settings.
+fn derivatives(track: &Track, solver: &Solver<'_>, settings: &RunSettings) -> Vec<Track> {
     let by = |name: &String| {
-        let slot = machine.program.parameters.iter().find(|slot| slot.name == *name)?;
+        let slot = solver.setup.program.parameters.iter().find(|slot| slot.name == *name)?;
         Some(track.differentiated(name, slot.value / slot.per_unit, &slot.unit))
     };
     settings.sensitivities.iter().filter_map(by).collect()
 }
 
-/// What all tracks show: the voltages of the signals, then the derivatives of each.
-fn values(probes: &[Probe], machine: &Machine<'_>, instant: Instant) -> impl Iterator<Item = f64> {
+/// The values of all tracks in their order: the voltages of the signals, then the derivatives of each signal.
+fn values(probes: &[Probe], solver: &Solver<'_>, instant: Instant) -> impl Iterator<Item = f64> {
     let is_now = matches!(instant, Instant::Now);
-    let registers = if is_now { &machine.registers } else { &machine.trial_registers };
+    let registers = if is_now { &solver.state.voltages } else { &solver.buffers.voltages };
     let voltages = probes.iter().map(|probe| registers[probe.register.index()]);
-    let derivatives = machine.sensitivities.iter().flat_map(move |own| {
-        let of =
-            move |probe| (0..own.count()).map(move |place| own.derivative(place, probe, machine, is_now));
+    let derivatives = solver.sensitivities.iter().flat_map(move |own| {
+        let of = move |probe| (0..own.count()).map(move |place| own.derivative(place, probe, solver, is_now));
         probes.iter().flat_map(of)
     });
     voltages.chain(derivatives)
 }
 
-/// A signal's value of one volt, in its unit.
-fn per_volt(probe: &Probe, machine: &Machine<'_>) -> f64 {
-    probe.per_volt.map_or(1.0, |index| machine.coefficient(index) / probe.per_unit)
+/// The value of one volt of a signal, in the unit of the signal.
+fn per_volt(probe: &Probe, solver: &Solver<'_>) -> f64 {
+    probe.per_volt.map_or(1.0, |index| solver.state.coefficient(index) / probe.per_unit)
 }

@@ -1,36 +1,41 @@
 //! Runge-Kutta methods as tables of numbers.
+//!
+//! One piece of code (`runge_kutta`) takes the steps of every method. The tables here give the stages, the weights of
+//! the end of a step, the error estimate and the dense output.
 
-/// An explicit Runge-Kutta method. Its first stage stands at the beginning of a step.
+/// An explicit Runge-Kutta method. Its first stage is the beginning of a step and is not listed.
 #[derive(Debug)]
 pub(super) struct Tableau {
-    /// The stages after the first: where in the step each stands, and the earlier rates that lead there.
+    /// The stages after the first.
     pub stages: &'static [Stage],
-    /// The last of these stages that stands near the middle of a step.
+    /// Index in `stages` of the last stage near the middle of a step.
     pub middle: usize,
-    /// The stages that are looked at for what comes and goes within a step.
-    pub glances: &'static [usize],
-    /// The rates that lead to the end of a step, each times so many parts of it.
+    /// Indices in `stages` of the stages that are checked for events that come and go within a step.
+    pub checked_stages: &'static [usize],
+    /// The weights of the rates at the end of a step. Each is a number of parts of the step, see `parts`.
     pub end: &'static [Share],
-    /// How many parts there are. Sixths of whole numbers keep straight lines exact.
+    /// Number of parts of a step. Whole numbers of sixths keep straight lines exact.
     pub parts: f64,
-    /// What the end of a second method of lower order differs by. The rate at the end is that of the stage after
-    /// the last. Empty where there is no second method.
+    /// The weights of the difference from a second method of lower order. The last rate is the rate at the end of the
+    /// step. Empty if there is no second method.
     pub difference: &'static [Share],
-    /// What the curve within a step has beyond the cubic through states and rates at its ends: this times
-    /// the square of the share of the step gone and of that left.
-    pub bulge: &'static [Share],
-    /// The lower order of the two: the difference for each second grows with the length of a step by this power.
+    /// The weights of the correction that dense output adds to the cubic through states and rates at both ends. The
+    /// correction after a share s of a step is multiplied by s^2 (1 - s)^2 and the length. Empty if there is none.
+    pub correction: &'static [Share],
+    /// The lower order of the pair: the error per second grows with the length of a step to this power.
     pub order: f64,
 }
 
-/// A stage: its place in the step, and how the rates of earlier ones lead to it.
+/// A stage of a step.
 #[derive(Debug)]
 pub(super) struct Stage {
+    /// The instant of the stage as a share of the step.
     pub at: f64,
+    /// The weights of the rates of earlier stages.
     pub from: &'static [Share],
 }
 
-/// The rate of a stage, by its index, times a number.
+/// The index of a stage (0 for the first) and the weight of its rate.
 pub(super) type Share = (usize, f64);
 
 /// The classical method of order 4 (Kutta 1901).
@@ -41,15 +46,15 @@ pub(super) static CLASSICAL: Tableau = Tableau {
         Stage { at: 1.0, from: &[(2, 1.0)] },
     ],
     middle: 1,
-    glances: &[1],
+    checked_stages: &[1],
     end: &[(0, 1.0), (1, 2.0), (2, 2.0), (3, 1.0)],
     parts: 6.0,
     difference: &[],
-    bulge: &[],
+    correction: &[],
     order: 4.0,
 };
 
-/// The pair of orders 5 and 4 of Dormand and Prince (1980), with the curve of order 4 of Shampine (1986).
+/// The pair of orders 5 and 4 of Dormand and Prince (1980), with the dense output of order 4 of Shampine (1986).
 pub(super) static DORMAND_PRINCE: Tableau = Tableau {
     stages: &[
         Stage { at: 0.2, from: &[(0, 0.2)] },
@@ -76,7 +81,7 @@ pub(super) static DORMAND_PRINCE: Tableau = Tableau {
         },
     ],
     middle: 1,
-    glances: &[1, 2],
+    checked_stages: &[1, 2],
     end: &[
         (0, 35.0 / 384.0),
         (2, 500.0 / 1113.0),
@@ -93,7 +98,7 @@ pub(super) static DORMAND_PRINCE: Tableau = Tableau {
         (5, 22.0 / 525.0),
         (6, -1.0 / 40.0),
     ],
-    bulge: &[
+    correction: &[
         (0, -12715105075.0 / 11282082432.0),
         (2, 87487479700.0 / 32700410799.0),
         (3, -10690763975.0 / 1880347072.0),
@@ -105,7 +110,7 @@ pub(super) static DORMAND_PRINCE: Tableau = Tableau {
 };
 
 impl Tableau {
-    /// Rates that a step keeps: those of its stages, and that at its end.
+    /// Number of rates that a step keeps: one for every stage, and one at its end.
     pub fn rates(&self) -> usize {
         self.stages.len() + 2
     }
@@ -120,13 +125,13 @@ mod tests {
     }
 
     #[test]
-    fn rates_that_stay_the_same_are_integrated_exactly() {
+    fn constant_rates_are_integrated_exactly() {
         for tableau in [&CLASSICAL, &DORMAND_PRINCE] {
             for stage in tableau.stages {
                 assert!((total(stage.from) - stage.at).abs() < 1e-14, "{stage:?}");
             }
             assert!((total(tableau.end) - tableau.parts).abs() < 1e-14);
-            assert!(total(tableau.difference).abs() < 1e-14 && total(tableau.bulge).abs() < 1e-14);
+            assert!(total(tableau.difference).abs() < 1e-14 && total(tableau.correction).abs() < 1e-14);
         }
     }
 

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use crate::common::{built, element, order, ran, random_cases, voltage, volts};
 use crate::elements::bench::{bench_drive, drive_stops_at_100_volts, near, out, waits_in_hold};
 use patchcord_core::circuit::Circuit;
-use patchcord_core::ir::Program;
+use patchcord_core::ir::{Program, SettingError, SettingFault};
 use patchcord_core::patch::{ElementBuilder, PatchBuilder};
 use patchcord_core::solve::{self, Backend, Phase, RunError, RunSettings};
 
@@ -213,7 +213,11 @@ fn seed_and_grid_are_turned_while_it_runs() {
     machine.operate(0.06).unwrap();
     assert!(near(voltage(&machine, "u"), row(4, false, 13)[12]), "another grid, from t = 0 on");
     let refused = machine.set("s", 4.5);
-    assert!(matches!(refused, Err(RunError::NotWhole { value: 4.5, .. })), "{refused:?}");
+    let is_not_whole = matches!(
+        refused,
+        Err(RunError::Setting(SettingError::Unfit { value: 4.5, fault: SettingFault::NotWhole, .. }))
+    );
+    assert!(is_not_whole, "{refused:?}");
     machine.initial_condition().unwrap();
     assert!(near(voltage(&machine, "u"), row(4, false, 1)[0]));
 }

@@ -10,7 +10,7 @@ use crate::elements::bench::{ANY, bench_drive, drive_stops_at_100_volts, near, o
 use patchcord_core::circuit::Circuit;
 use patchcord_core::ir::Program;
 use patchcord_core::patch::{Patch, PatchBuilder};
-use patchcord_core::solve::{self, Backend, FeedError, Machine, RunSettings};
+use patchcord_core::solve::{self, Backend, DriveTableError, Machine, RunSettings};
 
 /// The value of a table whose points hold until the next, the first before it too.
 fn held(points: &[[f64; 2]], time: f64) -> f64 {
@@ -199,7 +199,7 @@ fn a_drive_takes_other_points() {
     for hold in ["linear", "previous"] {
         let mut program = built(builder(&[[0.0, 7.0], [0.05, 9.0]], hold));
         let first = ran(&program, 7e-3, 0.2).voltage("A").unwrap();
-        solve::feed(&mut program, "u", POINTS.to_vec()).unwrap();
+        solve::set_drive_table(&mut program, "u", POINTS.to_vec()).unwrap();
         let fed = program.clone();
         let expected = ran(&built(builder(&POINTS, hold)), 7e-3, 0.2).voltage("A").unwrap();
         assert_ne!(first, expected);
@@ -214,16 +214,20 @@ fn what_is_no_table_takes_no_points() {
     let mut program = built(builder.element("A", element("integrator").cords("x10", ["u", "s"])));
     let own = || "u".to_owned();
     let refused = [
-        ("A", vec![[0.0, 1.0]], FeedError::UnknownDrive("A".to_owned())),
-        ("x", vec![[0.0, 1.0]], FeedError::UnknownDrive("x".to_owned())),
-        ("s", vec![[0.0, 1.0]], FeedError::NotATable("s".to_owned())),
-        ("u", vec![], FeedError::NoPoints(own())),
-        ("u", vec![[0.0, 1.0], [1.0, f64::NAN]], FeedError::NotFinite { drive: own(), place: 1 }),
-        ("u", vec![[f64::INFINITY, 1.0]], FeedError::NotFinite { drive: own(), place: 0 }),
-        ("u", vec![[0.0, 1.0], [1.0, 1.0], [1.0, 2.0]], FeedError::NotRising { drive: own(), place: 2 }),
+        ("A", vec![[0.0, 1.0]], DriveTableError::UnknownDrive("A".to_owned())),
+        ("x", vec![[0.0, 1.0]], DriveTableError::UnknownDrive("x".to_owned())),
+        ("s", vec![[0.0, 1.0]], DriveTableError::NotATable("s".to_owned())),
+        ("u", vec![], DriveTableError::NoPoints(own())),
+        ("u", vec![[0.0, 1.0], [1.0, f64::NAN]], DriveTableError::NotFinite { drive: own(), place: 1 }),
+        ("u", vec![[f64::INFINITY, 1.0]], DriveTableError::NotFinite { drive: own(), place: 0 }),
+        (
+            "u",
+            vec![[0.0, 1.0], [1.0, 1.0], [1.0, 2.0]],
+            DriveTableError::NotRising { drive: own(), place: 2 },
+        ),
     ];
     for (drive, points, error) in refused {
-        assert_eq!(solve::feed(&mut program, drive, points), Err(error));
+        assert_eq!(solve::set_drive_table(&mut program, drive, points), Err(error));
     }
     let found = ran(&program, 0.01, 0.1).voltage("A").unwrap();
     assert!((found + 10.0 * (area("linear", 0.1) + 0.3)).abs() <= 1e-11, "nothing has changed: {found}");

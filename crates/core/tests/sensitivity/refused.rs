@@ -2,7 +2,7 @@
 
 use crate::common::{built, element, patch, program, volts};
 use patchcord_core::patch::PatchBuilder;
-use patchcord_core::solve::{self, Machine, RunError};
+use patchcord_core::solve::{Machine, RunError};
 
 /// What comes of a second of a patch, differentiated by one of its parameters.
 fn outcome(builder: PatchBuilder, by: &str, length: f64) -> Result<f64, RunError> {
@@ -36,7 +36,7 @@ fn touching(pull_in: f64) -> PatchBuilder {
 
 #[test]
 fn what_only_touches_its_mark_has_no_derivative() {
-    refused(touching(50.0 - 1e-11), "mark", "K1 only just touches the place where it switches");
+    refused(touching(50.0 - 1e-11), "mark", "K1 only touches its switching threshold");
     // A volt below, the relay switches at 1 - sqrt(0.02): 20 V/s more or less from there on.
     let found = outcome(touching(49.0), "mark", 2.0).unwrap();
     assert!((found - 20.0 / (100.0 * 0.02f64.sqrt())).abs() < 1e-8, "{found}");
@@ -81,7 +81,7 @@ fn what_stands_at_its_mark_from_the_start_has_no_derivative() {
         .parameter("at", 0.0, "s", [0.0, 1.0])
         .drive("u", "volt", element("step").set("height", 10).set("at", "at"))
         .element("A1", element("integrator").cords("x1", ["u"]));
-    refused(late, "at", "u stands exactly where it switches in initial condition");
+    refused(late, "at", "u is exactly at its switching threshold in initial condition");
 }
 
 #[test]
@@ -104,7 +104,7 @@ fn what_grows_beyond_all_numbers_has_no_derivative() {
     // e^705 is 1.5e306: a number, but not for the summer.
     for length in [0.705, 0.8] {
         let lost = grown(length).unwrap_err();
-        assert!(lost.to_string().contains("it is no finite number"), "{lost}");
+        assert!(lost.to_string().contains("it is not a finite number"), "{lost}");
     }
 }
 
@@ -123,7 +123,7 @@ fn a_root_at_0_is_as_steep_as_its_amplifier() {
     let mut machine = Machine::new(&machine_program, 1e-2).unwrap();
     machine.differentiate(&["p"]).unwrap();
     let slope = machine.sensitivity("OA", "p").unwrap();
-    solve::preset(&mut machine_program, &[("p", 1e-16)]).unwrap();
+    machine_program.set_parameters([("p", 1e-16)]).unwrap();
     let beside = Machine::new(&machine_program, 1e-2).unwrap().voltage("OA").unwrap() / 1e-16;
     assert!((slope / 1e8 - 1.0).abs() < 1e-9 && (beside / slope - 1.0).abs() < 1e-3, "{slope} {beside}");
 }

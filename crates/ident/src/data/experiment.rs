@@ -73,7 +73,7 @@ pub struct Output {
 
 impl Experiment {
     /// The patch with a table of one point, zero, in place of every drive that data feed, held as the experiment says: what
-    /// [`solve::feed`](patchcord_core::solve::feed) takes.
+    /// [`solve::set_drive_table`](patchcord_core::solve::set_drive_table) takes.
     ///
     /// # Errors
     /// None that is known: what is put in place of a drive is one.

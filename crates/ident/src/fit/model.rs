@@ -13,7 +13,7 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::{Edit, EditError, Patch};
 use patchcord_core::solve;
 use patchcord_core::solve::{
-    Backend, FeedError, LEAST_TOLERANCE, Machine, RunError, RunSettings, preset, run_abreast,
+    Backend, DriveTableError, LEAST_TOLERANCE, Machine, RunError, RunSettings, run_abreast,
 };
 use patchcord_core::trace::{Overload, Trace};
 
@@ -102,7 +102,7 @@ pub enum ModelError {
     Run(#[from] RunError),
     /// A record cannot feed it.
     #[error(transparent)]
-    Feed(#[from] FeedError),
+    Feed(#[from] DriveTableError),
 }
 
 /// What a run gives: of every output its values at the samples.
@@ -239,7 +239,7 @@ impl Model {
         let changes: Vec<_> =
             knobs.chain(initial).map(|(knob, value)| (knob.name.as_str(), *value)).collect();
         let is_tabled = tabled.is_none_or(|(table, points)| table.put(&mut own, points));
-        (is_tabled && preset(&mut own, &changes).is_ok()).then_some(own)
+        (is_tabled && own.set_parameters(changes).is_ok()).then_some(own)
     }
 
     fn course(&self, record: usize, trace: &Trace) -> Option<Course> {
@@ -265,10 +265,10 @@ pub(crate) enum Table<'a> {
 impl Table<'_> {
     fn put(self, program: &mut Program, points: &[[f64; 2]]) -> bool {
         match self {
-            Table::Drive(drive) => solve::feed(program, drive, points.to_vec()).is_ok(),
+            Table::Drive(drive) => solve::set_drive_table(program, drive, points.to_vec()).is_ok(),
             Table::Curve(element) => {
                 let outputs: Vec<f64> = points.iter().map(|point| point[1]).collect();
-                solve::bend(program, element, &outputs)
+                solve::set_curve(program, element, &outputs)
             }
         }
     }
@@ -335,10 +335,10 @@ pub(crate) fn begun(patch: &Patch, free: &[String], initial: &[f64]) -> Result<P
 fn fed(program: &Program, record: &Record, drives: &[Feed]) -> Result<Program, ModelError> {
     let mut own = program.clone();
     for (feed, values) in drives.iter().zip(&record.drives) {
-        solve::feed(&mut own, &feed.drive, points(values, record.interval, feed.hold))?;
+        solve::set_drive_table(&mut own, &feed.drive, points(values, record.interval, feed.hold))?;
     }
     if own.parameter(RECORD_START).is_some() {
-        preset(&mut own, &[(RECORD_START, record.since)])?;
+        own.set_parameters([(RECORD_START, record.since)]).map_err(RunError::from)?;
     }
     Ok(own)
 }

@@ -229,8 +229,7 @@ pub(super) fn apart([one, other]: [Recipe; 2], signal: &str) -> Result<f64, Prob
 /// A program with other values of some parameters.
 fn turned(program: &Program, vary: &[&str], values: &[f64]) -> Result<Program, Problem> {
     let mut program = program.clone();
-    let changes: Vec<_> = vary.iter().copied().zip(values.iter().copied()).collect();
-    solve::preset(&mut program, &changes)?;
+    program.set_parameters(vary.iter().copied().zip(values.iter().copied()))?;
     Ok(program)
 }
 

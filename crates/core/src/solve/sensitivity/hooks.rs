@@ -1,33 +1,36 @@
-//! Where the machine takes its derivatives along.
+//! The places at which a solver makes its derivatives follow: evaluation, steps, delay lines, changes of mode,
+//! parameters.
+//!
+//! Every function takes only the parts of the solver that it reads, so that derivatives and solver are borrowed apart.
 
 use super::Sensitivities;
-use super::column::{Column, Walk};
-use super::saltation::STANDS;
+use super::column::{Column, TakenStep};
+use super::saltation::ZERO_SLOPE;
+use crate::delay_line::DelayLine;
 use crate::ir::{Program, Standing, StandingSlopes, Transition};
+use crate::solve::buffers::StepBuffers;
+use crate::solve::dense_output::Curve;
 use crate::solve::error::RunError;
-use crate::solve::machine::{Machine, Wanted};
-use crate::solve::stride::Curve;
+use crate::solve::evaluate::{Scope, trial};
+use crate::solve::runge_kutta::advance_states;
+use crate::solve::state::{Setup, Solver, SolverState};
 use patchcord_expr::Formula;
 
-impl Machine<'_> {
-    /// Does something with the derivatives beside the rest of the machine; nothing where there are none.
-    pub(in crate::solve) fn beside(&mut self, deed: impl FnOnce(&mut Sensitivities, &mut Self)) {
-        if let Some(mut own) = self.sensitivities.take() {
-            deed(&mut own, self);
-            self.sensitivities = Some(own);
-        }
-    }
-
-    /// Whether derivatives can go on from here.
+impl Solver<'_> {
+    /// Checks that the derivatives can continue from the present instant.
+    ///
+    /// # Errors
+    /// If a change of mode had no derivative, or a derivative is not finite.
     pub(in crate::solve) fn check_derivatives(&mut self) -> Result<(), RunError> {
         let Some(own) = &mut self.sensitivities else { return Ok(()) };
         if let Some(fault) = own.fault.take() {
             return Err(fault);
         }
-        match own.columns.iter().find(|column| !column.is_finite(self.program)) {
+        let program = self.setup.program;
+        match own.columns.iter().find(|column| !column.is_finite(program)) {
             Some(column) => Err(RunError::NoDerivative {
-                parameter: self.program.parameters[column.parameter].name.clone(),
-                why: format!("at t = {} s it is no finite number", self.time),
+                parameter: program.parameters[column.parameter].name.clone(),
+                why: format!("at t = {} s it is not a finite number", self.state.time),
             }),
             None => Ok(()),
         }
@@ -35,156 +38,185 @@ impl Machine<'_> {
 }
 
 impl Sensitivities {
-    /// Goes through the stretch that the machine is about to accept.
-    pub fn walk(&mut self, machine: &mut Machine<'_>, end: f64) {
-        let (program, method) = (machine.program, machine.method);
-        let begin = machine.time;
+    /// Follows the tried step, which ends at this time and is about to be accepted.
+    pub fn follow_step(
+        &mut self,
+        setup: &Setup<'_>,
+        state: &SolverState,
+        delay_lines: &mut [DelayLine],
+        buffers: &mut StepBuffers,
+        end: f64,
+    ) {
+        let begin = state.time;
         self.length = end - begin;
-        self.look_at_stages(machine);
-        let walk = Walk {
-            program,
-            method,
-            lines: &machine.lines,
+        self.evaluate_stages(setup, state, delay_lines, buffers);
+        let step = TakenStep {
+            program: setup.program,
+            method: setup.method,
+            delay_lines,
             begin,
             length: self.length,
             stages: &self.stages,
-            end: &machine.trial_registers,
+            end: &buffers.voltages,
         };
-        self.columns.iter_mut().for_each(|column| column.walk(&walk));
+        self.columns.iter_mut().for_each(|column| column.follow_step(&step));
     }
 
-    /// Works out the voltages of all stages of a stretch once more; leaves the machine looking at its end.
-    fn look_at_stages(&mut self, machine: &mut Machine<'_>) {
-        let still = machine.program.parts.moving;
-        self.stages[0].copy_from_slice(&machine.registers);
-        std::mem::swap(&mut self.end, &mut machine.trial);
-        for (stage, row) in machine.method.stages.iter().enumerate() {
+    /// Evaluates the voltages of all stages of the tried step again. The buffers are left as they were: at its end.
+    fn evaluate_stages(
+        &mut self,
+        setup: &Setup<'_>,
+        state: &SolverState,
+        delay_lines: &mut [DelayLine],
+        buffers: &mut StepBuffers,
+    ) {
+        let (program, method) = (setup.program, setup.method);
+        let still = program.parts.moving;
+        self.stages[0].copy_from_slice(&state.voltages);
+        std::mem::swap(&mut self.end, &mut buffers.states);
+        for (stage, row) in method.stages.iter().enumerate() {
             let voltages = &mut self.stages[stage + 1];
-            voltages[..still].copy_from_slice(&machine.registers[..still]);
-            std::mem::swap(voltages, &mut machine.trial_registers);
-            machine.trial_from(row.from, self.length);
-            let wanted = if stage == machine.method.middle { Wanted::Ahead } else { Wanted::Rates };
-            machine.evaluate_trial(machine.time + row.at * self.length, wanted);
-            std::mem::swap(&mut self.stages[stage + 1], &mut machine.trial_registers);
+            voltages[..still].copy_from_slice(&state.voltages[..still]);
+            std::mem::swap(voltages, &mut buffers.voltages);
+            advance_states(&mut buffers.states, &state.states, &buffers.stage_rates, row.from, self.length);
+            let scope = if stage == method.middle { Scope::All } else { Scope::Rates };
+            trial(program, state, delay_lines, buffers, state.time + row.at * self.length, scope);
+            std::mem::swap(&mut self.stages[stage + 1], &mut buffers.voltages);
         }
-        std::mem::swap(&mut self.end, &mut machine.trial);
+        std::mem::swap(&mut self.end, &mut buffers.states);
     }
 
-    /// Looks at the instant that the machine looks back at.
-    pub fn look_back(&mut self, machine: &Machine<'_>, time: f64, curve: &Curve) {
-        let at = (time, machine.lines.as_slice());
+    /// Evaluates the slopes of all voltages at a time at which the solver interpolates. `voltages` are those there.
+    pub fn interpolate(
+        &mut self,
+        program: &Program,
+        delay_lines: &[DelayLine],
+        time: f64,
+        curve: &Curve,
+        voltages: &[f64],
+    ) {
         for column in &mut self.columns {
-            column.look_back(machine.program, at, curve, &machine.trial_registers);
+            column.interpolate(program, (time, delay_lines), curve, voltages);
         }
     }
 
-    /// Works out the slopes of all voltages of now.
-    pub fn evaluate(&mut self, machine: &Machine<'_>) {
+    /// Evaluates the slopes of all present voltages.
+    pub fn evaluate(&mut self, program: &Program, state: &SolverState, delay_lines: &[DelayLine]) {
         for column in &mut self.columns {
-            column.evaluate(machine.program, machine.time, &machine.lines, &machine.registers);
+            column.evaluate(program, state.time, delay_lines, &state.voltages);
         }
     }
 
-    pub fn remember_values(&mut self, machine: &Machine<'_>) {
-        self.columns.iter_mut().for_each(|column| column.remember_values(machine.program));
+    /// Samples the slopes of the values that stay constant within the next step.
+    pub fn sample_values(&mut self, program: &Program) {
+        self.columns.iter_mut().for_each(|column| column.sample_values(program));
     }
 
-    pub fn remember_delays(&mut self, machine: &Machine<'_>) {
+    /// Puts the present slopes of the inputs into the delay lines.
+    pub fn record_delay_inputs(&mut self, program: &Program, time: f64) {
         for column in &mut self.columns {
-            for (line, delay) in column.lines.iter_mut().zip(&machine.program.delays) {
-                line.put(machine.time, column.registers[delay.input.index()]);
+            for (line, delay) in column.lines.iter_mut().zip(&program.delays) {
+                line.put(time, column.voltages[delay.input.index()]);
             }
         }
     }
 
-    /// The same at the instant looked back at.
-    pub fn remember_within(&mut self, machine: &Machine<'_>, time: f64) {
+    /// Puts the slopes at the instant interpolated last into the delay lines.
+    pub fn record_within(&mut self, program: &Program, time: f64) {
         for column in &mut self.columns {
-            for (line, delay) in column.lines.iter_mut().zip(&machine.program.delays) {
-                line.put(time, column.trial_registers[delay.input.index()]);
+            for (line, delay) in column.lines.iter_mut().zip(&program.delays) {
+                line.put(time, column.trial_voltages[delay.input.index()]);
             }
         }
     }
 
-    /// The same at an instant at which voltages jump or turn a corner; at an event that is told at its end.
-    pub fn remember_break(&mut self, machine: &Machine<'_>) {
+    /// Records in the delay lines that slopes may jump or turn a corner at a fixed instant. During an event this is
+    /// done when the event ends.
+    pub fn record_discontinuity(&mut self, program: &Program, time: f64) {
         if !self.is_at_event {
-            self.columns.iter_mut().for_each(|column| column.put_breaks(machine, 0.0));
+            self.columns.iter_mut().for_each(|column| column.record_discontinuity(program, time, 0.0));
         }
     }
 
-    /// Sets the slope of a state anew where a change of mode does so.
-    pub fn carry_out(&mut self, program: &Program, registers: &[f64], mode: usize, transition: &Transition) {
-        self.look_at_mark(program, registers, mode, transition);
+    /// Follows a change of mode: sets the slope of the state that the transition resets.
+    pub fn change_mode(&mut self, program: &Program, voltages: &[f64], mode: usize, transition: &Transition) {
+        self.check_threshold(program, voltages, mode, transition);
         let Some(reset) = transition.reset else { return };
         for column in &mut self.columns {
-            column.states[reset.state as usize] = column.registers[reset.to.index()];
+            column.states[reset.state as usize] = column.voltages[reset.to.index()];
         }
     }
 
-    /// A state put to a voltage by hand depends on nothing.
-    pub fn put_state(&mut self, state: usize) {
+    /// Sets the slopes of a state to 0, because an operator set it to a voltage.
+    pub fn clear_state(&mut self, state: usize) {
         self.columns.iter_mut().for_each(|column| column.states[state] = 0.0);
     }
 
-    /// Begins at initial condition.
-    pub fn begin(&mut self, machine: &Machine<'_>) {
+    /// Begins at initial condition, before the modes settle.
+    pub fn begin(&mut self, program: &Program) {
         (self.is_at_event, self.begins) = (false, true);
-        self.columns.iter_mut().for_each(|column| column.begin(machine.program));
+        self.columns.iter_mut().for_each(|column| column.begin(program));
     }
 
-    /// Takes note that initial condition has been reached.
-    pub fn begun(&mut self) {
+    /// Ends the beginning: the modes have settled in initial condition.
+    pub fn finish_begin(&mut self) {
         self.begins = false;
     }
 
-    /// Finds fault with a transition in initial condition that stands exactly at its mark, and would not for another
-    /// value.
-    fn look_at_mark(&mut self, program: &Program, registers: &[f64], mode: usize, transition: &Transition) {
-        if !self.begins || transition.guard.excess(registers) != 0.0 {
+    /// Records a fault if a transition in initial condition is exactly at its threshold and the threshold depends on a
+    /// parameter: with another value the mode would not change.
+    fn check_threshold(&mut self, program: &Program, voltages: &[f64], mode: usize, transition: &Transition) {
+        if !self.begins || transition.guard.excess(voltages) != 0.0 {
             return;
         }
         let guard = transition.guard.register.index();
-        let depends = |column: &&Column| column.registers[guard].abs() > STANDS;
+        let depends = |column: &&Column| column.voltages[guard].abs() > ZERO_SLOPE;
         if let Some(column) = self.columns.iter().find(depends) {
             let element = program.name(program.modes[mode].element);
             self.fault.get_or_insert(RunError::NoDerivative {
                 parameter: program.parameters[column.parameter].name.clone(),
-                why: format!("{element} stands exactly where it switches in initial condition"),
+                why: format!("{element} is exactly at its switching threshold in initial condition"),
             });
         }
     }
 
-    /// The parameters that a hand has set, by index, with what their new values' slopes are; nothing in those that
-    /// are not told depends on anything.
-    pub fn set(&mut self, parameters: impl Iterator<Item = usize>, slopes: &[Vec<f64>]) {
-        for (changed, index) in parameters.enumerate() {
+    /// Follows parameters that an operator or a phase set, given by their indices. `slopes` has a row for every change;
+    /// a missing row means that the new value depends on nothing.
+    pub fn set(&mut self, changed: &[usize], slopes: &[Vec<f64>]) {
+        for (change, index) in changed.iter().enumerate() {
             for (place, column) in self.columns.iter_mut().enumerate() {
-                column.parameters[index] = slopes.get(changed).map_or(0.0, |slopes| slopes[place]);
+                column.parameters[*index] = slopes.get(change).map_or(0.0, |slopes| slopes[place]);
             }
         }
     }
 
-    /// Follows the machine's coefficients once they are new.
-    pub fn follow_coefficients(&mut self, machine: &Machine<'_>) {
-        self.follow(machine.program, &machine.parameters);
+    /// Follows new coefficients: calculates their slopes, and those of the delays. `parameters` are in SI units, `time`
+    /// is the present.
+    pub fn follow_coefficients(
+        &mut self,
+        program: &Program,
+        parameters: &[f64],
+        delay_lines: &[DelayLine],
+        time: f64,
+    ) {
+        self.follow(program, parameters);
         for column in &mut self.columns {
-            let pairs = column.lines.iter_mut().zip(&machine.lines).zip(&machine.program.delays);
+            let pairs = column.lines.iter_mut().zip(delay_lines).zip(&program.delays);
             for ((line, input), delay) in pairs {
                 let longer = column.coefficients[delay.time as usize] * delay.problem_seconds;
                 let initial = column.coefficients[delay.initial as usize];
-                line.set(input.delay(), longer, initial, machine.time);
+                line.set(input.delay(), longer, initial, time);
             }
         }
     }
 
-    /// The slopes of what a formula of the run comes to, in SI, for every parameter carried along.
-    pub fn of_formula(&self, standing: &Standing<'_>, formula: &Formula) -> Vec<f64> {
+    /// The slopes of a formula's value in SI units, one for every parameter carried along.
+    pub fn slopes_of_formula(&self, standing: &Standing<'_>, formula: &Formula) -> Vec<f64> {
         let slope = |column: &Column| {
             let slopes = StandingSlopes {
                 parameters: &column.parameters,
                 coefficients: &column.coefficients,
-                registers: &column.registers,
+                registers: &column.voltages,
             };
             standing.slope(formula, &slopes)
         };

@@ -1,52 +1,57 @@
-//! The derivative of what goes through a delay line.
+//! The derivative of the voltage in a delay line by a parameter. In addition to the slopes of the input, a line keeps
+//! how much jumps of the input shift with the parameter. The output shifts with the delay, too.
 
 use std::collections::VecDeque;
 
 use crate::delay_line::DelayLine;
 
-/// The derivatives of what went into a delay line, and of the instants at which that jumped.
+/// The slopes of the input of a delay line, and the shifts of the instants at which the input jumped.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
     past: DelayLine,
-    /// d(delay), in problem seconds.
+    /// Slope of the delay, in problem seconds.
     delay: f64,
-    /// Instants whose place depends on the parameter, and how much.
+    /// Instants that shift with the parameter, in problem seconds, each with its shift. The oldest is first.
     shifts: VecDeque<(f64, f64)>,
 }
 
-/// Shifted instants that a line has room for from the start.
-const ROOM: usize = 256;
-/// Slopes, in volts for a whole parameter, that differ by less than this share have not jumped.
-const ROUNDING: f64 = 1e-9;
+/// Number of shifted instants for which a line allocates memory at its beginning.
+const INITIAL_CAPACITY: usize = 256;
+/// Slopes that differ by less than this, relative to 1 + their size in volts, have not jumped.
+const JUMP_TOLERANCE: f64 = 1e-9;
 
 impl Line {
-    /// The line beside another of this delay: its own delay and initial output have these slopes.
+    /// The slopes for a delay line with a delay of `seconds`. `delay` and `initial` are the slopes of its delay and of
+    /// its initial output.
     pub fn new(seconds: f64, delay: f64, initial: f64, step: f64) -> Self {
-        Line { past: DelayLine::new(seconds, initial, step), delay, shifts: VecDeque::with_capacity(ROOM) }
+        let shifts = VecDeque::with_capacity(INITIAL_CAPACITY);
+        Line { past: DelayLine::new(seconds, initial, step), delay, shifts }
     }
 
-    /// The same with room for so many jumps in a second.
+    /// The same line with memory for a number of jumps per second.
     pub fn with_room_for(self, jumps: f64) -> Self {
         Line { past: self.past.with_room_for(jumps), ..self }
     }
 
-    /// The delay as it is set at a time, and the slopes of delay and initial output.
+    /// Sets the delay at a time, and the slopes of delay and initial output.
     pub fn set(&mut self, seconds: f64, delay: f64, initial: f64, time: f64) {
         self.past.set(seconds, initial, time);
         self.delay = delay;
     }
 
+    /// Forgets all inputs, for a new initial condition.
     pub fn clear(&mut self) {
         self.past.clear();
         self.shifts.clear();
     }
 
+    /// Puts the slope of the input at a time into the line.
     pub fn put(&mut self, time: f64, slope: f64) {
         self.past.put(time, slope);
     }
 
-    /// Takes in the slope at an instant at which what goes in jumps or has a corner. `shift` tells how that instant
-    /// moves with the parameter.
+    /// Puts the slope at an instant at which the input jumps or has a corner. `shift` is the slope of that instant, in
+    /// problem seconds.
     pub fn put_break(&mut self, time: f64, slope: f64, shift: f64) {
         self.past.echo_by(time);
         self.past.put_break(time, slope, 0);
@@ -58,28 +63,29 @@ impl Line {
         }
     }
 
-    /// Takes in the slope at the beginning of a stretch, where it differs from that at the end of the last.
+    /// Puts the slope at the beginning of a step, if it differs from the slope at the end of the step before.
     pub fn begin(&mut self, time: f64, slope: f64) {
-        let differs = |(_, last): (f64, f64)| (last - slope).abs() > ROUNDING * (1.0 + slope.abs());
+        let differs = |(_, last): (f64, f64)| (last - slope).abs() > JUMP_TOLERANCE * (1.0 + slope.abs());
         if self.past.last().is_some_and(differs) {
             self.put_break(time, slope, 0.0);
         }
     }
 
-    /// The slope of what comes out from a time on that itself moves by `frame`; what went in is given beside it.
-    pub fn from(&self, time: f64, input: &DelayLine, frame: f64) -> f64 {
-        let moves = frame - self.delay;
+    /// The slope of the output just after a time that itself shifts by `shift`. `input` is the delay line of the
+    /// solver.
+    pub fn from(&self, time: f64, input: &DelayLine, shift: f64) -> f64 {
+        let moves = shift - self.delay;
         let along = if moves == 0.0 { 0.0 } else { input.slope_from(time) * moves };
         self.past.from(time) + along
     }
 
-    /// The same up to a time that stays where it is.
+    /// The slope of the output just before a fixed time. `input` is the delay line of the solver.
     pub fn until(&self, time: f64, input: &DelayLine) -> f64 {
         let along = if self.delay == 0.0 { 0.0 } else { input.slope_until(time) * self.delay };
         self.past.until(time) - along
     }
 
-    /// How the instant moves that comes out at a time.
+    /// The shift of the jump that the line puts out at a time: that of the input and that of the delay.
     pub fn shift_of_echo(&self, time: f64) -> f64 {
         let is_it =
             |(begin, _): &&(f64, f64)| (begin + self.past.delay() - time).abs() <= 2.0 * self.past.near();

@@ -1,0 +1,167 @@
+//! The parameters of a program, and the one way to set them.
+//!
+//! A program keeps every parameter in SI units. [`Program::set_parameters`] takes values in the declared units, checks
+//! them against their ranges, calculates the coefficients that follow, and checks these too. Machines, sweeps and fits
+//! all set parameters by the functions of this module.
+
+use std::ops::Deref;
+use std::sync::Arc;
+
+use super::{Program, SettingFault, Unfit};
+use crate::document::{RangeViolation, parameter_in_si, suggestion, told};
+use patchcord_expr::Dimension;
+
+/// A parameter of the patch as the prologue reads it.
+#[derive(Debug, Clone)]
+pub struct ParameterSlot {
+    /// The value for this run, in SI units.
+    pub value: f64,
+    pub(crate) declared: Arc<Declared>,
+}
+
+/// The declaration of a parameter in the patch, which is independent of its value.
+#[derive(Debug, Clone)]
+pub struct Declared {
+    /// Name of the parameter.
+    pub name: String,
+    /// Size of the declared unit in SI units.
+    pub per_unit: f64,
+    /// Least and largest value allowed, in the declared unit.
+    pub range: Option<(f64, f64)>,
+    /// Text of the declared unit.
+    pub unit: String,
+    pub(crate) dimension: Dimension,
+}
+
+impl Deref for ParameterSlot {
+    type Target = Declared;
+
+    fn deref(&self) -> &Declared {
+        &self.declared
+    }
+}
+
+impl ParameterSlot {
+    /// A value in the declared unit, converted to SI units, if the parameter may have it.
+    ///
+    /// # Errors
+    /// If the value is not finite in SI units, or is outside the range.
+    pub fn in_si(&self, value: f64) -> Result<f64, RangeViolation> {
+        parameter_in_si(&self.name, value, (&self.unit, self.per_unit), self.range)
+    }
+}
+
+/// Why a parameter, or a setting that follows from it, cannot have a value.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SettingError {
+    /// No parameter has this name.
+    #[error("there is no parameter {name}; {}", hint.as_deref().unwrap_or("the patch has none"))]
+    UnknownParameter {
+        /// The name that was given.
+        name: String,
+        /// A similar name or the list of names; `None` if the program has no parameters.
+        hint: Option<String>,
+    },
+    /// A value outside the range of its parameter.
+    #[error(transparent)]
+    OutsideRange(#[from] RangeViolation),
+    /// A setting of an element that its element does not take, such as a potentiometer above 1.
+    #[error("{setting} comes to {}, {}", told(*value), fault.describe(*value))]
+    Unfit {
+        /// Element and setting, such as "PC5 setting".
+        setting: String,
+        /// The value that follows from the parameters.
+        value: f64,
+        /// The rule that the value breaks.
+        fault: SettingFault,
+    },
+}
+
+impl SettingError {
+    /// A stable name for programs that read failures: "unknown-parameter", "outside-range", "not-whole" or
+    /// "out-of-order".
+    pub fn code(&self) -> &'static str {
+        match self {
+            SettingError::UnknownParameter { .. } => "unknown-parameter",
+            SettingError::OutsideRange(_) => "outside-range",
+            SettingError::Unfit { fault, .. } => match fault {
+                SettingFault::Range { .. } => "outside-range",
+                SettingFault::NotWhole => "not-whole",
+                SettingFault::Order { .. } => "out-of-order",
+            },
+        }
+    }
+}
+
+impl From<Unfit<'_>> for SettingError {
+    fn from(unfit: Unfit<'_>) -> Self {
+        let Unfit { coefficient, value, fault } = unfit;
+        SettingError::Unfit { setting: coefficient.label.clone(), value, fault }
+    }
+}
+
+/// Parameters of which some were changed, with everything that follows from them.
+#[derive(Debug, Clone)]
+pub(crate) struct ChangedParameters {
+    /// All parameters in SI units, in the order of the program.
+    pub parameters: Vec<f64>,
+    /// The coefficients that follow from them.
+    pub coefficients: Vec<f64>,
+    /// Index of the parameter of every change, in the order of the changes.
+    pub changed: Vec<usize>,
+}
+
+impl Program {
+    /// The index of a parameter, by name.
+    ///
+    /// # Errors
+    /// If no parameter has this name.
+    pub fn parameter_index(&self, name: &str) -> Result<usize, SettingError> {
+        self.parameter(name).ok_or_else(|| {
+            let known: Vec<_> = self.parameters.iter().map(|slot| slot.name.as_str()).collect();
+            SettingError::UnknownParameter { name: name.to_owned(), hint: suggestion(name, &known) }
+        })
+    }
+
+    /// Parameters in SI units with some changes, given in their declared units. Later changes of one parameter replace
+    /// earlier ones. The program itself stays as it is.
+    ///
+    /// # Errors
+    /// If a name is unknown, a value is outside its range, or a setting that follows does not fit.
+    pub(crate) fn changed_parameters<N: AsRef<str>>(
+        &self,
+        parameters: &[f64],
+        changes: impl IntoIterator<Item = (N, f64)>,
+    ) -> Result<ChangedParameters, SettingError> {
+        let (mut parameters, mut changed) = (parameters.to_vec(), Vec::new());
+        for (name, value) in changes {
+            let index = self.parameter_index(name.as_ref())?;
+            parameters[index] = self.parameters[index].in_si(value)?;
+            changed.push(index);
+        }
+        let coefficients = self.prepare(&parameters);
+        match self.first_unfit(&coefficients) {
+            Some(unfit) => Err(unfit.into()),
+            None => Ok(ChangedParameters { parameters, coefficients, changed }),
+        }
+    }
+
+    /// Sets parameters before a run, in their declared units. The program is then the same as if its circuit had been
+    /// made with these values.
+    ///
+    /// # Errors
+    /// If a name is unknown, a value is outside its range, or a setting that follows does not fit. The program then
+    /// stays as it was.
+    pub fn set_parameters<N: AsRef<str>>(
+        &mut self,
+        changes: impl IntoIterator<Item = (N, f64)>,
+    ) -> Result<(), SettingError> {
+        let before: Vec<f64> = self.parameters.iter().map(|slot| slot.value).collect();
+        let changed = self.changed_parameters(&before, changes)?;
+        for (slot, value) in self.parameters.iter_mut().zip(changed.parameters) {
+            slot.value = value;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,40 @@
+//! Detection of events that come and go within one step, so that the end of the step does not show them.
+//!
+//! The checked stages of the tried step are searched first. If none of them shows an event, the voltages of guards and
+//! kinks are interpolated through the stages: a voltage that turns just before its event may graze it.
+
+use super::buffers::StepBuffers;
+use super::events::{event_at, open_transitions};
+use super::state::{Setup, SolverState};
+use super::turning_points::Samples;
+
+/// The share (0 ... 1) of the tried step at which an event may come and go: at a stage that shows one, or where a
+/// watched voltage turns just before its event. `None` if there is no sign of such an event.
+pub(super) fn hint(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -> Option<f64> {
+    let method = setup.method;
+    let stages = method.checked_stages.iter().map(|stage| method.stages[*stage].at);
+    let mut checked = stages.zip(&buffers.checked_voltages);
+    let shown = checked.find(|(_, voltages)| event_at(setup, state, voltages).is_some());
+    shown.map(|(share, _)| share).or_else(|| grazing_time(setup, state, buffers))
+}
+
+/// The share of the tried step at which the first guard or kink turns just before its event.
+fn grazing_time(setup: &Setup<'_>, state: &SolverState, buffers: &StepBuffers) -> Option<f64> {
+    let ends = [&state.voltages, &buffers.voltages].map(Vec::as_slice);
+    let guards = open_transitions(setup.program, &state.modes).filter_map(|open| {
+        let samples = buffers.samples(setup.method, ends, |voltages| open.guard.excess(voltages))?;
+        turn_towards(&samples, |_, to| to >= 0.0)
+    });
+    let kinks = setup.kinks().filter_map(|kink| {
+        let samples = buffers.samples(setup.method, ends, |voltages| kink.value(voltages))?;
+        turn_towards(&samples, |from, to| kink.crossed(&setup.program.tables, from, to).is_some())
+    });
+    guards.chain(kinks).reduce(f64::min)
+}
+
+/// The share at which a voltage turns that would have met an event with a slightly larger swing. `meets` decides it
+/// from the voltage at the beginning and at the turning point.
+fn turn_towards(samples: &Samples, meets: impl Fn(f64, f64) -> bool) -> Option<f64> {
+    let mut turns = samples.turning_points();
+    turns.find(|turn| meets(samples.values[0], samples.with_margin(turn))).map(|turn| turn.share)
+}

@@ -1,0 +1,98 @@
+//! A step of any explicit Runge-Kutta method, given by its table of numbers.
+//!
+//! [`try_step`] evaluates a step from the present without accepting it: it leaves the states and voltages at the end in
+//! the buffers. A caller then looks for events, checks the error ([`largest_error`]) and either accepts the step or
+//! tries a shorter one.
+
+use super::buffers::StepBuffers;
+use super::evaluate::{Scope, trial};
+use super::grazing;
+use super::state::{Setup, SolverState, read_rates};
+use super::tableau::{Share, Tableau};
+use crate::delay_line::DelayLine;
+use crate::machines::REFERENCE;
+
+/// States smaller than this, in volts, are set to 0. Processors are slow on subnormal numbers, which decays would
+/// reach.
+pub(super) const SMALLEST: f64 = 1e-100;
+
+/// Tries a step of this length in problem seconds from the present. Modes stay as they are. States, voltages and stages
+/// of the step are then in the buffers.
+pub(super) fn try_step(
+    setup: &Setup<'_>,
+    state: &SolverState,
+    delay_lines: &mut [DelayLine],
+    buffers: &mut StepBuffers,
+    length: f64,
+) {
+    let (program, method) = (setup.program, setup.method);
+    buffers.evaluation.faults.clear();
+    buffers.stage_rates[0].copy_from_slice(&state.rates);
+    for (stage, row) in method.stages.iter().enumerate() {
+        advance_states(&mut buffers.states, &state.states, &buffers.stage_rates, row.from, length);
+        let checked = method.checked_stages.iter().position(|own| *own == stage);
+        let scope = if checked.is_some() { Scope::All } else { Scope::Rates };
+        trial(program, state, delay_lines, buffers, state.time + row.at * length, scope);
+        read_rates(program, &buffers.voltages, &mut buffers.stage_rates[stage + 1]);
+        if let Some(checked) = checked {
+            buffers.checked_voltages[checked].copy_from_slice(&buffers.voltages);
+        }
+    }
+    advance_states(
+        &mut buffers.states,
+        &state.states,
+        &buffers.stage_rates,
+        method.end,
+        length / method.parts,
+    );
+    flush_tiny_states(&mut buffers.states);
+    trial(program, state, delay_lines, buffers, state.time + length, Scope::All);
+    read_rates(program, &buffers.voltages, &mut buffers.stage_rates[method.rates() - 1]);
+    buffers.hint = grazing::hint(setup, state, buffers);
+}
+
+/// Number of evaluations that [`try_step`] takes. The first stage needs none: its rates are those of the present.
+/// Whoever tries a step counts them as work.
+pub(super) fn evaluations(method: &Tableau) -> u64 {
+    method.rates() as u64 - 1
+}
+
+/// States at a stage: `into = from + length * (weighted sum of the rates)`.
+#[inline]
+pub(super) fn advance_states(
+    into: &mut [f64],
+    from: &[f64],
+    rates: &[Vec<f64>],
+    shares: &[Share],
+    length: f64,
+) {
+    for (index, (trial, state)) in into.iter_mut().zip(from).enumerate() {
+        *trial = state + length * weighted_sum(rates, shares, index);
+    }
+}
+
+/// The state in which the two orders of a method differ most over a step of this length, and the difference in machine
+/// units of 100 V. A difference that is not a number counts as the largest. `states` is the number of states.
+pub(super) fn largest_error(
+    method: &Tableau,
+    stage_rates: &[Vec<f64>],
+    states: usize,
+    length: f64,
+) -> (usize, f64) {
+    let error = |state| length * weighted_sum(stage_rates, method.difference, state).abs() / REFERENCE;
+    let larger = |worst: (usize, f64), state| {
+        let error = error(state);
+        if error > worst.1 || error.is_nan() { (state, error) } else { worst }
+    };
+    (0..states).fold((0, 0.0), larger)
+}
+
+/// Sets states below [`SMALLEST`] to 0.
+pub(super) fn flush_tiny_states(states: &mut [f64]) {
+    states.iter_mut().filter(|volts| volts.abs() < SMALLEST).for_each(|volts| *volts = 0.0);
+}
+
+/// The sum of the rates of a state, each multiplied by its share.
+pub(super) fn weighted_sum(rates: &[Vec<f64>], shares: &[Share], state: usize) -> f64 {
+    shares.iter().map(|(stage, share)| share * rates[*stage][state]).sum()
+}

@@ -1,0 +1,170 @@
+//! The solver: a program at an instant, with everything that is needed to take a step from there.
+//!
+//! [`Setup`] is constant in a run. [`SolverState`] is what the rest of a run depends on. [`Solver`] joins both with the
+//! delay lines, the buffers of a step and the derivatives. It is the only part of a machine that an observer sees, and
+//! it knows neither lamps nor event counts nor the fast path.
+
+use super::buffers::StepBuffers;
+use super::levels::LevelSource;
+use super::sensitivity::Sensitivities;
+use super::tableau::Tableau;
+use crate::delay_line::DelayLine;
+use crate::grid::Grid;
+use crate::ir::{Kink, Program, TimeConstant};
+
+/// The constants of a run.
+#[derive(Debug, Clone)]
+pub(super) struct Setup<'p> {
+    pub program: &'p Program,
+    /// The Runge-Kutta method.
+    pub method: &'static Tableau,
+    /// Length of equal steps, or of the first step tried if steps adapt, in problem seconds.
+    pub step: f64,
+    /// The instants at which equal steps end.
+    pub grid: Grid,
+    /// Whether the length of steps adapts to a tolerance.
+    pub is_adaptive: bool,
+}
+
+impl Setup<'_> {
+    /// The kinks that no step reaches across. Kinks of guards alone are included only if steps adapt: a long step could
+    /// miss an event behind such a kink.
+    pub fn kinks(&self) -> impl Iterator<Item = &Kink> {
+        let of_guards = if self.is_adaptive { self.program.guard_kinks.as_slice() } else { &[] };
+        self.program.kinks.iter().chain(of_guards)
+    }
+}
+
+/// The state of the solver: everything that the rest of a run depends on, except the contents of the delay lines.
+#[derive(Debug, Clone)]
+pub(super) struct SolverState {
+    /// Problem time since initial condition, in seconds.
+    pub time: f64,
+    /// Outputs of integrators and lags in volts, in the order of `Program::states`.
+    pub states: Vec<f64>,
+    /// Discrete modes: the positions of relays, brakes and stops, in the order of `Program::modes`.
+    pub modes: Vec<f64>,
+    /// Every voltage at `time`, one for each operation of the program's body.
+    pub voltages: Vec<f64>,
+    /// Rates of the states at `time`, in volts per problem second.
+    pub rates: Vec<f64>,
+    /// Values sampled at the end of a step. They stay constant within the next step.
+    pub sampled: Vec<f64>,
+    /// The present number of every level (noise, or a table whose values are held).
+    pub levels: Vec<f64>,
+    /// The position of every level in its sequence of numbers.
+    pub level_sources: Vec<LevelSource>,
+    /// Parameters in SI units.
+    pub parameters: Vec<f64>,
+    /// Coefficients calculated from the parameters.
+    pub coefficients: Vec<f64>,
+}
+
+impl SolverState {
+    /// The state of a program before its initial condition: all voltages are 0.
+    pub fn new(program: &Program, parameters: Vec<f64>, coefficients: Vec<f64>) -> Self {
+        let zeros = |count: usize| vec![0.0; count];
+        SolverState {
+            time: 0.0,
+            states: zeros(program.states.len()),
+            modes: zeros(program.modes.len()),
+            voltages: zeros(program.body.len()),
+            rates: zeros(program.states.len()),
+            sampled: zeros(program.kept.len()),
+            levels: zeros(program.levels.len()),
+            level_sources: LevelSource::all(program, &coefficients),
+            parameters,
+            coefficients,
+        }
+    }
+
+    /// Resets time, states, modes and sampled values to the initial condition. Voltages and rates stay as they are
+    /// until the next evaluation.
+    pub fn reset(&mut self, program: &Program) {
+        self.time = 0.0;
+        for (value, state) in self.states.iter_mut().zip(&program.states) {
+            *value = self.coefficients[state.initial as usize];
+        }
+        for (value, mode) in self.modes.iter_mut().zip(&program.modes) {
+            *value = mode.initial;
+        }
+        for (value, kept) in self.sampled.iter_mut().zip(&program.kept) {
+            *value = self.coefficients[kept.initial as usize];
+        }
+    }
+
+    /// Resets the modes of one element, given by its index, to the initial condition.
+    pub fn reset_modes(&mut self, program: &Program, element: usize) {
+        for (value, mode) in self.modes.iter_mut().zip(&program.modes) {
+            if mode.element == element {
+                *value = mode.initial;
+            }
+        }
+    }
+
+    /// The value of a coefficient.
+    pub fn coefficient(&self, index: u32) -> f64 {
+        self.coefficients[index as usize]
+    }
+
+    /// A time constant in problem seconds.
+    pub fn time_constant(&self, lag: TimeConstant) -> f64 {
+        self.coefficient(lag.time) * lag.problem_seconds
+    }
+}
+
+/// A program at an instant, with what is needed to evaluate it at other instants: to try a step, to accept it and to
+/// interpolate in it.
+#[derive(Debug, Clone)]
+pub(super) struct Solver<'p> {
+    pub setup: Setup<'p>,
+    pub state: SolverState,
+    /// The past of every delayed input, in the order of `Program::delays`. Reading a line moves its cursor, so the
+    /// lines are apart from the state.
+    pub delay_lines: Vec<DelayLine>,
+    pub buffers: StepBuffers,
+    /// Derivatives by parameters; `None` if none are carried along.
+    pub sensitivities: Option<Box<Sensitivities>>,
+}
+
+impl Solver<'_> {
+    /// Makes the derivatives follow the tried step, which ends at this time. Call it before [`Solver::make_present`].
+    pub fn follow_step(&mut self, end: f64) {
+        let Solver { setup, state, delay_lines, buffers, sensitivities } = self;
+        if let Some(own) = sensitivities {
+            own.follow_step(setup, state, delay_lines, buffers, end);
+        }
+    }
+
+    /// Moves the state to the end of the tried step, and keeps the start of that step in the buffers.
+    pub fn make_present(&mut self, time: f64) {
+        let Solver { setup, state, buffers, .. } = self;
+        buffers.last.time = state.time;
+        buffers.last.states.copy_from_slice(&state.states);
+        buffers.last.voltages.copy_from_slice(&state.voltages);
+        state.time = time;
+        state.states.copy_from_slice(&buffers.states);
+        std::mem::swap(&mut state.voltages, &mut buffers.voltages);
+        read_rates(setup.program, &state.voltages, &mut state.rates);
+    }
+
+    /// Samples the present values that stay constant within the next step. An observer that interpolates in the last
+    /// step needs the values from its beginning, so call this after the observer.
+    pub fn sample_values(&mut self) {
+        let Solver { setup, state, sensitivities, .. } = self;
+        for (value, kept) in state.sampled.iter_mut().zip(&setup.program.kept) {
+            *value = state.voltages[kept.next.index()];
+        }
+        if let Some(own) = sensitivities {
+            own.sample_values(setup.program);
+        }
+    }
+}
+
+/// Reads the rates of the states from the voltages of an instant, or the slopes of the rates from the slopes.
+#[inline]
+pub(super) fn read_rates(program: &Program, voltages: &[f64], into: &mut [f64]) {
+    for (rate, state) in into.iter_mut().zip(&program.states) {
+        *rate = voltages[state.rate.index()];
+    }
+}
