@@ -98,8 +98,8 @@ fn told(experiment: &Experiment, problem: &Problem, stage: &Stage) -> String {
     let knobs = (stage.version.fit.as_slice(), stage.train.point.knobs.as_slice());
     let parts = [(&experiment.train, &stage.train), (&experiment.test, &stage.test)];
     for (place, (records, fitted)) in parts.into_iter().enumerate() {
-        let own = match stage.version.patch.signals.contains_key("v") {
-            true => velocity::error(experiment, &stage.version.patch, knobs, &records[0])
+        let own = match stage.version.patch().signals.contains_key("v") {
+            true => velocity::error(experiment, stage.version.patch(), knobs, &records[0])
                 .map(|share| format!("{:.2} %", 100.0 * share)),
             false => {
                 Some(format!("{:.3} {}", fitted.over_noise() * problem.sigma[0], experiment.outputs[0].unit))

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use patchcord_core::patch::Patch;
-use patchcord_ident::fit::model::{Choice, Knob, Model};
+use patchcord_ident::fit::model::{Choice, FitProgram, Knob, Model};
 use patchcord_ident::{Experiment, Record};
 
 /// The filter lets through what is slower than this, in Hz.
@@ -23,7 +23,8 @@ pub fn error(
 ) -> Option<f64> {
     let outputs = ["v".to_owned()];
     let records = std::slice::from_ref(record);
-    let model = Model::new(patch, records, &experiment.drives, fit, &[], &outputs, 4).ok()?;
+    let lowered = FitProgram::new(patch, &experiment.drives).ok()?;
+    let model = Model::new(&lowered, patch, records, fit, &[], &outputs, 4).ok()?;
     let position = &record.outputs[0];
     let measured = rates(&smoothed(position, record.interval), record.interval);
     let volts =

@@ -143,14 +143,9 @@ pub(super) fn refused(error: &RunError, circuit: &Circuit, is_to_blame: bool) ->
 
 /// Where the patch speaks of the element that an error is about.
 pub(super) fn place_told(error: &RunError, circuit: &Circuit) -> String {
-    let guilty =
-        circuit.elements().into_iter().find(|element| Some(element.name.as_str()) == error.element());
-    let Some((element, span)) = guilty.and_then(|element| Some((element, element.span?))) else {
-        return String::new();
-    };
-    let report = circuit.warnings();
-    let (line, column) = report.line_and_column(span.start);
-    format!("\n  --> {}:{line}:{column}: {}", report.file, element.name)
+    let guilty = error.element().and_then(|element| Some((element, circuit.place_of(element)?)));
+    let Some((element, (line, column))) = guilty else { return String::new() };
+    format!("\n  --> {}:{line}:{column}: {element}", circuit.patch().file())
 }
 
 /// What an error says, and which option helps.

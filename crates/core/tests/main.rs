@@ -8,6 +8,7 @@ mod bouncing_ball;
 mod brake;
 mod common;
 mod delay;
+mod edits;
 mod elements;
 mod known;
 mod laws;

@@ -229,7 +229,7 @@ fn friction_of_the_slide_differs_by_direction_and_does_not_fall() {
     let stage = found.told();
     let knobs = (stage.version.fit.as_slice(), stage.train.point.knobs.as_slice());
     for (record, most) in [(&experiment.train[0], 0.015), (&experiment.test[0], 0.052)] {
-        let error = velocity::error(&experiment, &stage.version.patch, knobs, record).unwrap();
+        let error = velocity::error(&experiment, stage.version.patch(), knobs, record).unwrap();
         assert!(error < most, "{}: {error}", record.name);
     }
 }

@@ -97,7 +97,7 @@ fn tables_in_files_are_found_from_where_the_patch_goes() {
     let table = json!({"kind": "table", "scale": scale, "points": {"csv": "pump.csv", "x": "t", "y": "u"}});
     let edit = Edit { path: ["drives", drive].map(str::to_owned).to_vec(), value: table };
     experiment.patch = experiment.patch.edited(&at("base.json"), &[edit]).unwrap();
-    found.base.version.patch = experiment.patch.clone();
+    found.base.version = found.base.version.with_patch(experiment.patch.clone());
     let file = at("found/fitted.json");
     let fitted = fitted_patch(&found, &experiment, &file).unwrap();
     assert_eq!(fitted.value()["drives"][drive]["points"]["csv"], "../pump.csv");

@@ -187,7 +187,7 @@ fn from_fig_8_4_in_two_steps_friction_that_falls_comes_first_and_memory_then() {
         assert!(*value < 0.02 * 771.0, "{needless}: {value}");
         *value = 0.0;
     }
-    let found = commanded(&version.patch, &values);
+    let found = commanded(version.patch(), &values);
     let near = apart(&found, &commanded(&thesis("fig-8-16"), &TRUTH));
     assert!(near < 0.06, "{near}");
 }
@@ -214,7 +214,7 @@ fn from_fig_8_4_friction_that_falls_and_remembers_is_found_and_runs_like_fig_8_1
     assert!(steps.windows(2).all(|pair| pair[1] < pair[0]) && steps[4].is_finite(), "{steps:?}");
     let Stage { version, train, .. } = found.told();
     let values = version.fit.iter().map(String::as_str).zip(train.point.knobs.iter().copied());
-    let run = commanded(&version.patch, &values.collect::<Vec<_>>());
+    let run = commanded(version.patch(), &values.collect::<Vec<_>>());
     let near = apart(&run, &commanded(&thesis("fig-8-16"), &TRUTH));
     assert!(near < 0.03, "{near}");
 }

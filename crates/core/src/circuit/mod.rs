@@ -32,6 +32,8 @@ pub use scope::Quantities;
 #[derive(Debug)]
 pub struct Circuit {
     patch: Patch,
+    /// The parameters that were changed, in their declared units.
+    changes: Vec<(String, f64)>,
     machine: &'static Machine,
     quantities: Quantities,
     graph: DiGraph<Element, Cord>,
@@ -124,9 +126,29 @@ impl Circuit {
         self.machine
     }
 
-    /// What the reader should know although the circuit can be run.
+    /// What the reader should know although the circuit can be run. If the patch was edited, its text is read again.
     pub fn warnings(&self) -> Report {
-        Report::new(self.patch.file(), self.patch.text(), self.warnings.clone())
+        match self.reread() {
+            Some(Ok(read)) => read.warnings(),
+            Some(Err(report)) => *report,
+            None => self.report_with(Vec::new()),
+        }
+    }
+
+    /// Line and column (both from 1, columns in characters) of the name of an element or a drive in the text of the patch.
+    /// If the patch was edited, its text is read again. `None` if the name is not in the patch, as for references.
+    pub fn place_of(&self, element: &str) -> Option<(usize, usize)> {
+        let read = self.patch.reread().transpose().ok()?;
+        let patch = read.as_ref().unwrap_or(&self.patch);
+        let entry = patch.drives.get(element).or_else(|| patch.elements.get(element))?;
+        let report = Report::new(patch.file(), patch.text(), Vec::new());
+        Some(report.line_and_column(entry.span.start))
+    }
+
+    /// The circuit of the patch read again from its text; `None` if the patch was not edited since it was read.
+    pub(crate) fn reread(&self) -> Option<Result<Circuit, Box<Report>>> {
+        let read = self.patch.reread()?;
+        Some(read.and_then(|patch| resolve::circuit(&patch, &self.changes)))
     }
 
     /// The warnings and more findings.

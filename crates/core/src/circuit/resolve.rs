@@ -31,12 +31,17 @@ pub(super) fn circuit(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
     if !any_error(&findings) {
         unused(patch, &graph, &mut findings);
     }
-    let report = Report::new(patch.file(), patch.text(), macros::once(patch, findings));
-    if report.has_errors() {
-        return Err(Box::new(report));
+    let findings = macros::once(patch, findings);
+    if any_error(&findings) {
+        // The parts of an edited patch have no positions: its text has.
+        return match patch.reread() {
+            Some(read) => circuit(&read?, changes),
+            None => Err(Box::new(Report::new(patch.file(), patch.text(), findings))),
+        };
     }
     Ok(Circuit {
         patch: patch.clone(),
+        changes: changes.to_vec(),
         machine,
         quantities,
         graph,
@@ -44,7 +49,7 @@ pub(super) fn circuit(patch: &Patch, changes: &[(String, f64)]) -> Result<Circui
         signals: points,
         record,
         used,
-        warnings: report.findings,
+        warnings: findings,
     })
 }
 

@@ -20,6 +20,14 @@ pub struct Span {
 }
 
 impl Span {
+    /// A span that no other part has, for a part that is not in the text. `next` counts these spans; it begins behind the
+    /// text.
+    pub(crate) fn beyond_text(next: &mut usize) -> Span {
+        let start = *next;
+        *next += 1;
+        Span { start, end: start + 1 }
+    }
+
     /// A part of this span, given in bytes from its start; never leaves it.
     pub fn part(self, range: &Range<usize>) -> Span {
         let start = (self.start + range.start).min(self.end);

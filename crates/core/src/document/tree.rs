@@ -58,7 +58,34 @@ impl Content {
     }
 }
 
+impl Entry {
+    /// A key with a JSON value that is not in the text: every part gets a span beyond the text.
+    pub(crate) fn of(key: &str, value: &Value, next_span: &mut usize) -> Entry {
+        let key_span = Span::beyond_text(next_span);
+        Entry { key: key.to_owned(), key_span, value: Node::of(value, next_span) }
+    }
+}
+
 impl Node {
+    /// A JSON value that is not in the text: every part gets a span beyond the text. Numbers have the text with which the
+    /// value is printed.
+    pub(crate) fn of(value: &Value, next_span: &mut usize) -> Node {
+        let span = Span::beyond_text(next_span);
+        let value = match value {
+            Value::Null => Content::Null,
+            Value::Bool(flag) => Content::Flag(*flag),
+            Value::Number(number) => Content::Number(number.to_string()),
+            Value::String(text) => Content::Text(text.clone()),
+            Value::Array(items) => {
+                Content::List(items.iter().map(|item| Node::of(item, next_span)).collect())
+            }
+            Value::Object(entries) => {
+                Content::Object(entries.iter().map(|(key, value)| Entry::of(key, value, next_span)).collect())
+            }
+        };
+        Node { span, value }
+    }
+
     /// The same as a JSON value: keys in their order, numbers with their text. Of a key that stands twice the
     /// last counts, as JSON readers have it.
     pub fn to_value(&self) -> Value {

@@ -7,19 +7,14 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use super::dry_run;
 use crate::circuit::Circuit;
-use crate::document::{Code, Diagnostic, Report, told};
+use crate::document::{Code, Diagnostic, told};
 use crate::ir::{Loop, LoopFault, Program, Scratch, Solutions, Sources, Unfit, remedy, tell};
 
 /// Modes that have not settled after so many rounds never will.
 const MOST_SETTLING: usize = 1000;
 
-/// Refuses programs whose coefficients or loops cannot be used.
-pub(super) fn check(circuit: &Circuit, program: &Program) -> Result<(), Box<Report>> {
-    let findings = findings(circuit, program);
-    if findings.is_empty() { Ok(()) } else { Err(Box::new(circuit.report_with(findings))) }
-}
-
-fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
+/// The coefficients and loops that cannot be used; a program without any can be run.
+pub(super) fn findings(circuit: &Circuit, program: &Program) -> Vec<Diagnostic> {
     let parameters: Vec<f64> = program.parameters.iter().map(|slot| slot.value).collect();
     let coefficients = program.prepare(&parameters);
     if let Some(Unfit { coefficient, value, fault }) = program.first_unfit(&coefficients) {

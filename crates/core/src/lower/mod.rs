@@ -33,8 +33,15 @@ impl Program {
         lowering.switches();
         lowering.orders();
         let program = lowering.arranged();
-        check::check(circuit, &program)?;
-        Ok(program)
+        let findings = check::findings(circuit, &program);
+        if findings.is_empty() {
+            return Ok(program);
+        }
+        // The parts of an edited patch have no positions: its text has.
+        match circuit.reread() {
+            Some(read) => Program::new(&read?),
+            None => Err(Box::new(circuit.report_with(findings))),
+        }
     }
 }
 

@@ -119,6 +119,50 @@ fn insert(into: &mut Map<String, Value>, section: &str, name: &str, value: Value
     }
 }
 
+/// A parameter of a [`PatchEditor`](super::PatchEditor).
+///
+/// ```
+/// use patchcord_core::patch::{Patch, ParameterBuilder};
+///
+/// let patch = Patch::parse("empty.json", "{\"patchcord\": 1}")?;
+/// let mut editor = patch.edit();
+/// editor.put_parameter("k", ParameterBuilder::new(2, "N/m").range([0, 10]).description("stiffness"));
+/// let patch = editor.finish("spring.json")?;
+/// assert_eq!(patch.parameters["k"].value, 2.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct ParameterBuilder {
+    entry: Map<String, Value>,
+}
+
+impl ParameterBuilder {
+    /// A parameter with a value in a unit.
+    pub fn new(value: impl Into<Value>, unit: &str) -> Self {
+        let mut entry = Map::new();
+        entry.insert("value".into(), value.into());
+        entry.insert("unit".into(), unit.into());
+        ParameterBuilder { entry }
+    }
+
+    /// Its least and its largest value, in its unit.
+    pub fn range(mut self, range: [impl Into<Value>; 2]) -> Self {
+        let range: Vec<Value> = range.into_iter().map(Into::into).collect();
+        self.entry.insert("range".into(), range.into());
+        self
+    }
+
+    /// What it is.
+    pub fn description(mut self, description: &str) -> Self {
+        self.entry.insert("description".into(), description.into());
+        self
+    }
+
+    pub(super) fn into_value(self) -> Value {
+        Value::Object(self.entry)
+    }
+}
+
 /// A macro of a [`PatchBuilder`].
 ///
 /// ```
@@ -146,6 +190,15 @@ impl MacroBuilder {
     /// A macro of nothing yet.
     pub fn new() -> Self {
         MacroBuilder::default()
+    }
+
+    /// A macro as a document has it: an object with "outputs", "elements" and the other keys of a macro.
+    pub fn of(entry: Map<String, Value>) -> Self {
+        MacroBuilder { entry }
+    }
+
+    pub(super) fn into_value(self) -> Value {
+        Value::Object(self.entry)
     }
 
     /// An input port, and what it is for.
@@ -189,6 +242,15 @@ impl ElementBuilder {
         let mut entry = Map::new();
         entry.insert("kind".into(), kind.into());
         ElementBuilder { entry }
+    }
+
+    /// An element or a drive as a document has it: an object with "kind" and the other keys of the kind.
+    pub fn of(entry: Map<String, Value>) -> Self {
+        ElementBuilder { entry }
+    }
+
+    pub(super) fn into_value(self) -> Value {
+        Value::Object(self.entry)
     }
 
     /// One cord into an input, such as "in" or "bias_plus".

@@ -53,11 +53,12 @@ pub(super) fn document(root: &Node, patch: &mut Patch) -> Result<(), Diagnostic>
     patch.run = fields.take("run").map(|node| run(node, all)).unwrap_or_default();
     patch.record = fields.take("record").map(|node| words(node, "record", all)).unwrap_or_default();
     patch.pictures = fields.take("pictures").map(|node| pictures(node, all)).unwrap_or_default();
-    fields.text("note", all);
+    patch.note = fields.text("note", all);
     fields.text("$schema", all);
     patch.lost.section = has_lost_section(&fields);
     fields.finish(all);
-    macros::write_out(macros, elements, patch, all);
+    macros::write_out(macros, &elements, patch, all);
+    patch.own = elements;
     if patch.elements.is_empty() && patch.drives.is_empty() && !any_error(all) {
         all.push(empty(root));
     }
@@ -113,7 +114,7 @@ fn time_scale(fields: &mut Fields<'_>, findings: &mut Findings) -> f64 {
     positive(fields, "time_scale", findings).map_or(1.0, |placed| placed.value)
 }
 
-fn parameter(named: &tree::Entry, findings: &mut Findings) -> Option<Parameter> {
+pub(super) fn parameter(named: &tree::Entry, findings: &mut Findings) -> Option<Parameter> {
     let mut fields = Fields::of(&named.value, format!("the parameter {}", named.key), findings)?;
     let place = fields.need("value", "a number in the unit of the parameter");
     let value = place.and_then(|node| number(node, "value", findings));
@@ -126,7 +127,7 @@ fn parameter(named: &tree::Entry, findings: &mut Findings) -> Option<Parameter> 
     Some(Parameter { value: value?, unit: unit?, range, description, span, value_span: place?.span })
 }
 
-fn scale(named: &tree::Entry, findings: &mut Findings) -> Option<Scale> {
+pub(super) fn scale(named: &tree::Entry, findings: &mut Findings) -> Option<Scale> {
     let mut fields = Fields::of(&named.value, format!("the scale {}", named.key), findings)?;
     let per_volt = fields.need("per_volt", "what one volt stands for, in the unit of the scale");
     let per_volt = per_volt.and_then(|node| formula(node, "per_volt", findings));

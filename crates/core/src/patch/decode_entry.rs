@@ -148,7 +148,7 @@ fn purpose(measure: Measure, entry: &Entry) -> Option<Purpose> {
 }
 
 /// The value of a setting of an entry, of which the settings before it in the kind's order are read.
-fn amount(
+pub(super) fn amount(
     node: &Node,
     key: &str,
     measure: Measure,

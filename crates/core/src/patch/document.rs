@@ -1,13 +1,15 @@
 //! The patch: the document as a person wrote it, read but not yet judged.
 
 use std::collections::HashSet;
+use std::sync::Arc;
 
 use indexmap::IndexMap;
 use serde_json::Value;
 
-use super::macros::{Instance, Macro, Port};
-use super::table_file::TableFile;
-use crate::document::{Diagnostic, Phase, Placed, RangeViolation, Span, parameter_in_si};
+use super::macros::{Instance, Item, Macro, Port};
+use super::source::Source;
+use super::table_file::{TableFile, Tables};
+use crate::document::{Diagnostic, Phase, Placed, RangeViolation, Report, Span, parameter_in_si};
 use crate::elements::Kind;
 use patchcord_expr::{Formula, Unit};
 
@@ -173,19 +175,25 @@ impl Lost {
 
 /// A patch as it was written.
 ///
-/// The fields are what was read from the document. To change a patch, change a copy of [`Patch::value`] and make
-/// a new one with [`Patch::from_value`]: what is written is the document, not the fields.
+/// The fields are what was read from the document. To change a patch, use [`Patch::edit`], which changes the fields and the
+/// document: what is written is the document, not the fields.
 #[derive(Debug, Clone)]
 pub struct Patch {
-    file: String,
-    text: String,
-    value: Value,
+    pub(super) file: String,
+    /// The text that was read, and the edits made since.
+    pub(super) origin: Source,
     pub(super) findings: Vec<Diagnostic>,
     pub(super) lost: Lost,
+    /// The section "elements" as it is written, before macros are expanded.
+    pub(super) own: IndexMap<String, Item>,
+    /// The tables that were read from CSV files.
+    pub(super) tables: Arc<Tables>,
     /// Title of the patch.
     pub title: String,
     /// Where it comes from.
     pub source: String,
+    /// Free text.
+    pub note: String,
     /// The machine it is made for.
     pub machine: Option<Placed<String>>,
     /// Machine seconds per problem second.
@@ -217,15 +225,17 @@ pub struct Patch {
 }
 
 impl Patch {
-    pub(super) fn empty(file: &str, text: &str, value: Value) -> Patch {
+    pub(super) fn empty(file: &str, text: &str) -> Patch {
         Patch {
             file: file.to_owned(),
-            text: text.to_owned(),
-            value,
+            origin: Source::read(text),
             findings: Vec::new(),
             lost: Lost::default(),
+            own: IndexMap::new(),
+            tables: Arc::default(),
             title: String::new(),
             source: String::new(),
+            note: String::new(),
             machine: None,
             time_scale: 1.0,
             parameters: IndexMap::new(),
@@ -258,15 +268,27 @@ impl Patch {
         &self.file
     }
 
-    /// The text as it was written, or as [`Patch::from_value`] printed it.
+    /// The text as it was written, or as [`Patch::from_value`] printed it. If the patch was edited since, the text is
+    /// rendered with the edits when it is first read: only the edited places differ from the text that was read.
     pub fn text(&self) -> &str {
-        &self.text
+        self.origin.text()
     }
 
-    /// The document as a JSON value: key order and the text of numbers as written. To change a patch,
-    /// change a copy of this and make a new patch of it.
+    /// The document as a JSON value: key order and the text of numbers as written. It is made when it is first read.
     pub fn value(&self) -> &Value {
-        &self.value
+        self.origin.value()
+    }
+
+    /// The cords of an element, or of an instance of a macro, as the document has them: the jack or port, and the name
+    /// that is plugged in there ("E1.out", not the element behind it). Empty if the section "elements" has no such name.
+    pub fn written_cords<'p>(&'p self, element: &str) -> impl Iterator<Item = (&'p str, &'p str)> + use<'p> {
+        self.own.get(element).map_or_else(Vec::new, Item::written_cords).into_iter()
+    }
+
+    /// The patch read again from its text, so that its parts have their positions there. `None` if it was not edited since
+    /// it was read.
+    pub(crate) fn reread(&self) -> Option<Result<Patch, Box<Report>>> {
+        self.origin.is_edited().then(|| Patch::parse(&self.file, self.text()))
     }
 }
 

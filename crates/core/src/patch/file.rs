@@ -42,7 +42,7 @@ impl Patch {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let fail = |finding| Box::new(Report::new(file, text, vec![finding]));
         let root = tree::parse(text).map_err(fail)?;
-        let mut patch = Patch::empty(file, text, root.to_value());
+        let mut patch = Patch::empty(file, text);
         decode::document(&root, &mut patch).map_err(fail)?;
         table_file::read_all(&mut patch, folder);
         Ok(patch)

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::decode_curve::{Mirror, Points, SORT, curve_of, points_of};
 use super::document::{Amount, Patch};
@@ -49,14 +50,26 @@ pub(super) fn asked(
 /// The tables of a patch hold no more points than this, however often one is used.
 const MOST_POINTS: usize = 10_000_000;
 
-/// Reads every file that the drives and elements of a patch ask for, from a folder.
+/// The points that were read from files, by the place that names the file: the instances of a macro share them. `None` if a
+/// file could not be read, which has been reported.
+pub(super) type Tables = HashMap<Span, Option<Vec<[f64; 2]>>>;
+
+/// Reads every file that the drives and elements of a patch still ask for, from a folder. What the patch has read before is
+/// not read again.
 pub(super) fn read_all(patch: &mut Patch, folder: &Path) {
-    let scales = &patch.scales;
-    let mut files = Files { folder, read: HashMap::new(), room: Some(MOST_POINTS) };
-    for entry in patch.drives.values_mut().chain(patch.elements.values_mut()) {
+    let Patch { scales, drives, elements, tables, findings, .. } = patch;
+    // An edited patch has the points of its drives already.
+    let present = drives.values().flat_map(|drive| &drive.settings).flatten();
+    let present = present.map(|setting| match &setting.value {
+        Amount::Points(points) if tables.contains_key(&setting.span) => points.len(),
+        _ => 0,
+    });
+    let room = MOST_POINTS.checked_sub(present.sum());
+    let mut files = Files { folder, read: tables, room };
+    for entry in drives.values_mut().chain(elements.values_mut()) {
         let scale = entry.scale.as_ref().and_then(|scale| scales.get(&scale.value));
         for asked in std::mem::take(&mut entry.files) {
-            let points = files.points(&asked, scale.map(|scale| &scale.unit), &mut patch.findings);
+            let points = files.points(&asked, scale.map(|scale| &scale.unit), findings);
             entry.settings[asked.setting] =
                 points.map(|points| Placed { value: Amount::Points(points), span: asked.span });
         }
@@ -66,8 +79,8 @@ pub(super) fn read_all(patch: &mut Patch, folder: &Path) {
 /// Files that are being read.
 struct Files<'f> {
     folder: &'f Path,
-    /// What was read, by the place that asks for it: the instances of a macro share it.
-    read: HashMap<Span, Option<Vec<[f64; 2]>>>,
+    /// The points that were read so far.
+    read: &'f mut Arc<Tables>,
     /// Points that the patch may still hold; `None` once that many were asked for.
     room: Option<usize>,
 }
@@ -81,8 +94,11 @@ impl Files<'_> {
         findings: &mut Findings,
     ) -> Option<Vec<[f64; 2]>> {
         let room = self.room?;
-        let read = self.read.entry(asked.span).or_insert_with(|| asked.read(self.folder, unit, findings));
-        let points = read.as_ref()?;
+        if !self.read.contains_key(&asked.span) {
+            let points = asked.read(self.folder, unit, findings);
+            Arc::make_mut(self.read).insert(asked.span, points);
+        }
+        let points = self.read.get(&asked.span)?.as_ref()?;
         self.room = room.checked_sub(points.len());
         if self.room.is_none() {
             let message = format!("the tables of the patch hold more than {MOST_POINTS} points together");

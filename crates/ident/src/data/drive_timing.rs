@@ -1,9 +1,12 @@
 //! Drives that go by the clock: a run begins them anew, and records need not begin where they do.
 
+use std::cell::OnceCell;
+
 use serde_json::Value;
 
 use patchcord_core::circuit::Circuit;
-use patchcord_core::patch::Patch;
+use patchcord_core::document::Placed;
+use patchcord_core::patch::{Amount, Entry, Patch};
 use patchcord_expr::Formula;
 
 /// The parameter that says when a record begins, in seconds from where its file begins: laws that go by the clock need it.
@@ -15,6 +18,14 @@ const AT_ONCE: f64 = 1e-6;
 /// Whether a drive, as patches write it, is told when its record begins.
 pub(crate) fn is_told_the_start(drive: &Value) -> bool {
     has_name(drive, RECORD_START)
+}
+
+/// The formula of a setting of a drive; `None` if the patch does not have the setting, or the setting is no formula.
+fn formula_of(setting: &Option<Placed<Amount>>) -> Option<&Formula> {
+    match &setting.as_ref()?.value {
+        Amount::Formula(formula) => Some(formula),
+        _ => None,
+    }
 }
 
 /// How a drive goes by the clock.
@@ -30,20 +41,27 @@ pub(crate) enum Going {
 
 /// The drives of a patch, and how each goes; a step at the beginning is a constant.
 pub(crate) fn goings(patch: &Patch) -> impl Iterator<Item = (&str, Going)> {
-    let seconds = |at: &Value| match at.as_str() {
-        Some(text) => Formula::parse(text).ok()?.evaluate(Circuit::new(patch, &[]).ok()?.quantities()).ok(),
-        None => at.as_f64(),
-    };
-    let is_at_once = move |at: &Value| seconds(at).is_some_and(|at| at <= AT_ONCE);
+    // Made for the first formula.
+    let circuit = OnceCell::new();
     patch.drives.iter().map(move |(name, own)| {
-        let drive = &patch.value()["drives"][name.as_str()];
+        let mut formulas = own.settings.iter().filter_map(formula_of);
+        let is_told = formulas.any(|formula| formula.names().contains(&RECORD_START));
         let going = match own.kind.name {
-            _ if is_told_the_start(drive) => Going::Told,
-            "step" if drive.get("at").is_none_or(&is_at_once) => Going::Constant,
+            _ if is_told => Going::Told,
+            "step" if is_at_once(patch, own, &circuit) => Going::Constant,
             _ => Going::Anew,
         };
         (name.as_str(), going)
     })
+}
+
+/// Whether a step is at the beginning.
+fn is_at_once(patch: &Patch, step: &Entry, circuit: &OnceCell<Option<Circuit>>) -> bool {
+    let at = step.kind.setting("at").and_then(|index| formula_of(&step.settings[index]));
+    let Some(at) = at else { return true };
+    let circuit = circuit.get_or_init(|| Circuit::new(patch, &[]).ok());
+    let seconds = circuit.as_ref().and_then(|circuit| at.evaluate(circuit.quantities()).ok());
+    seconds.is_some_and(|at| at <= AT_ONCE)
 }
 
 /// The drives of a patch that every run begins anew, where no column feeds them.

@@ -2,12 +2,10 @@
 
 use std::path::PathBuf;
 
-use serde_json::json;
-
 use crate::data::document::Hold;
 use crate::data::record::Record;
 use patchcord_core::document::Report;
-use patchcord_core::patch::{Edit, EditError, Patch};
+use patchcord_core::patch::{EditError, Patch, PatchEditor};
 use patchcord_expr::Unit;
 
 /// A patch and what was measured on the thing that it stands for.
@@ -78,17 +76,16 @@ impl Experiment {
     /// # Errors
     /// None that is known: what is put in place of a drive is one.
     pub fn patch_to_feed(&self) -> Result<Patch, EditError> {
-        with_tables(&self.patch, &self.drives)
+        let mut editor = self.patch.edit();
+        put_tables(&mut editor, &self.drives)?;
+        editor.finish(self.patch.file())
     }
 }
 
-/// The same patch with a table of one point, zero, in place of every drive that records feed, held as they say.
-pub(crate) fn with_tables(patch: &Patch, drives: &[Feed]) -> Result<Patch, EditError> {
-    let edits = drives.iter().map(|feed| {
-        let scale = patch.value()["drives"][&feed.drive]["scale"].clone();
-        let table =
-            json!({"kind": "table", "scale": scale, "points": [[0, 0]], "hold": feed.hold.of_table()});
-        Edit { path: vec!["drives".to_owned(), feed.drive.clone()], value: table }
-    });
-    patch.edited(patch.file(), &edits.collect::<Vec<_>>())
+/// Puts a table of one point, zero, in place of every drive that records feed, held as they say.
+///
+/// # Errors
+/// If the patch has no drive of a name.
+pub(crate) fn put_tables(editor: &mut PatchEditor, drives: &[Feed]) -> Result<(), EditError> {
+    drives.iter().try_for_each(|feed| editor.feed_drive(&feed.drive, feed.hold.of_table()))
 }

@@ -10,7 +10,7 @@ use crate::effects::{Attachment, Gives, Reads};
 use patchcord_core::elements;
 use patchcord_core::elements::Family;
 use patchcord_core::machines::REFERENCE;
-use patchcord_core::patch::{Edit, EditError, Patch};
+use patchcord_core::patch::{EditError, ElementBuilder, MacroBuilder, ParameterBuilder, Patch, PatchEditor};
 use patchcord_expr::{Dimension, Formula, Scope, Unit};
 
 /// A parameter that a graft brings into the patch.
@@ -64,14 +64,42 @@ struct Wiring<'a> {
     parameters: Vec<Brought>,
     /// What the names in the fragment's formulas are written as.
     words: IndexMap<String, String>,
-    /// New elements, and those with other cords.
-    elements: IndexMap<String, Value>,
-    /// New scales, for what stands in no scale of the patch.
-    scales: Map<String, Value>,
-    /// What is plugged into the instance.
-    inputs: Map<String, Value>,
+    /// New elements by name.
+    elements: IndexMap<String, ElementBuilder>,
+    /// Changes of the cords of elements and instances that the patch has, in their order.
+    rewirings: Vec<Rewiring>,
+    /// New scales, for quantities that have no scale in the patch: name, value of a volt, unit.
+    scales: Vec<(String, Value, String)>,
+    /// What is plugged into the instance, by port.
+    inputs: IndexMap<String, String>,
     /// Further instances, where one is not enough, and what is plugged into them.
-    others: Vec<(String, Map<String, Value>)>,
+    others: Vec<(String, IndexMap<String, String>)>,
+}
+
+/// A change of the cords of an element or an instance that the patch has.
+enum Rewiring {
+    /// One more cord.
+    Cord { element: String, jack: String, from: String },
+    /// Another name in place of one that is plugged in.
+    Replug { element: String, from: String, to: String },
+}
+
+impl Rewiring {
+    fn apply(&self, editor: &mut PatchEditor) -> Result<(), EditError> {
+        match self {
+            Rewiring::Cord { element, jack, from } => match has_jacks(editor.patch(), element) {
+                true => editor.add_cord(element, jack, from),
+                false => Ok(()),
+            },
+            Rewiring::Replug { element, from, to } => editor.replug(element, from, to),
+        }
+    }
+}
+
+/// Whether an integrator has jacks, with or without cords.
+fn has_jacks(patch: &Patch, integrator: &str) -> bool {
+    let mut cords = patch.written_cords(integrator);
+    cords.next().is_some() || patch.value()["elements"][integrator]["in"].is_object()
 }
 
 impl<'a> Wiring<'a> {
@@ -88,13 +116,13 @@ impl<'a> Wiring<'a> {
         let parameters: Vec<Brought> = parameters.iter().map(rename).collect();
         let mut words: IndexMap<String, String> =
             parameters.iter().map(|own| (own.of.clone(), own.name.clone())).collect();
-        let mut scales = Map::new();
+        let mut scales = Vec::new();
         for (role, stands_for) in attached.place.roles() {
             let mut scale = stands_for.scale().to_owned();
             if !patch.scales.contains_key(&scale) {
                 let per_volt = serde_json::from_str(&scale).unwrap_or(Value::String(scale));
                 scale = format!("{name}_{role}");
-                scales.insert(scale.clone(), json!({"per_volt": per_volt, "unit": stands_for.unit().text()}));
+                scales.push((scale.clone(), per_volt, stands_for.unit().text().to_owned()));
             }
             words.insert(role.to_owned(), scale);
         }
@@ -106,7 +134,8 @@ impl<'a> Wiring<'a> {
             words,
             scales,
             elements: IndexMap::new(),
-            inputs: Map::new(),
+            rewirings: Vec::new(),
+            inputs: IndexMap::new(),
             others: Vec::new(),
         }
     }
@@ -123,7 +152,7 @@ impl<'a> Wiring<'a> {
             };
             if let Some(reading) = reading {
                 let from = self.upright(reading);
-                self.inputs.insert(reads.word().to_owned(), json!(from));
+                self.inputs.insert(reads.word().to_owned(), from);
             }
         }
         for (gives, _) in &self.attached.form.gives {
@@ -144,7 +173,8 @@ impl<'a> Wiring<'a> {
         }
         let name = format!("{}-{}", self.name, reading.signal);
         let note = format!("{} upright", reading.signal);
-        self.elements.insert(name.clone(), json!({"kind": "inverter", "in": reading.at, "note": note}));
+        let inverter = ElementBuilder::new("inverter").cord("in", &reading.at).set("note", note);
+        self.elements.insert(name.clone(), inverter);
         name
     }
 
@@ -159,7 +189,7 @@ impl<'a> Wiring<'a> {
         // An integrator inverts.
         if junction.is_upright == is_upward {
             let name = format!("{}-{}", self.name, gives.word());
-            self.elements.insert(name.clone(), json!({"kind": "inverter", "in": from}));
+            self.elements.insert(name.clone(), ElementBuilder::new("inverter").cord("in", &from));
             from = name;
         }
         let is_next = gives == Gives::AddToNext;
@@ -184,24 +214,12 @@ impl<'a> Wiring<'a> {
         if !settings.is_empty() {
             let name = format!("{}-P{}", self.name, gives.word());
             let setting = settings.join(" * ");
-            self.elements.insert(name.clone(), json!({"kind": "pot", "in": from, "setting": setting}));
+            let pot = ElementBuilder::new("pot").cord("in", &from).set("setting", setting);
+            self.elements.insert(name.clone(), pot);
             from = name;
         }
         let jack = format!("{prefix}x{}", junction.sum.gain * self.attached.form.times);
-        let element = self.element(&junction.integrator);
-        if let Some(Value::Object(inputs)) = element.get_mut("in") {
-            let cords = inputs.entry(jack).or_insert_with(|| json!([]));
-            if let Value::String(only) = cords {
-                *cords = json!([only.clone()]);
-            }
-            cords.as_array_mut().into_iter().for_each(|cords| cords.push(json!(from)));
-        }
-    }
-
-    /// An element of the patch, to be changed.
-    fn element(&mut self, name: &str) -> &mut Value {
-        let entry = self.elements.entry(name.to_owned());
-        entry.or_insert_with(|| self.patch.value()["elements"][name].clone())
+        self.rewirings.push(Rewiring::Cord { element: junction.integrator.clone(), jack, from });
     }
 
     /// Wires it between everything that drives an integrator and the integrator: into the one cord, or, where there are more,
@@ -209,14 +227,14 @@ impl<'a> Wiring<'a> {
     fn through(&mut self, junction: &Junction) {
         if self.attached.form.reads.contains(&Reads::Own) {
             let own = self.upright(&junction.own);
-            self.inputs.insert(Reads::Own.word().to_owned(), json!(own));
+            self.inputs.insert(Reads::Own.word().to_owned(), own);
         }
         let driving = match &junction.sum.total {
             Some(total) => IndexSet::from([total.clone()]),
             None => self.driving(junction),
         };
         for (place, total) in driving.into_iter().enumerate() {
-            let input = (Reads::In.word().to_owned(), json!(total.from));
+            let input = (Reads::In.word().to_owned(), total.from.clone());
             let instance = match place {
                 0 => self.name.clone(),
                 _ => format!("{}-{}", self.name, place + 1),
@@ -234,16 +252,14 @@ impl<'a> Wiring<'a> {
     /// Every cord that drives an integrator, its brake among them; before the potentiometer that it comes through, which sets a
     /// rate and has to stay beside the integrator, unless that drives something else, too.
     fn driving(&self, junction: &Junction) -> IndexSet<Total> {
-        let elements = &self.patch.value()["elements"];
-        let jacks = elements[&junction.integrator]["in"].as_object().into_iter().flatten();
-        let own = jacks.filter(|(jack, _)| jack.starts_with('x') || jack.starts_with("brake_x"));
+        let cords = self.patch.written_cords(&junction.integrator);
+        let own = cords.filter(|(jack, _)| jack.starts_with('x') || jack.starts_with("brake_x"));
         let total = |from: &str, to: &str| Total { from: from.to_owned(), to: to.to_owned() };
-        let each = own.flat_map(|(_, driven)| cords(driven)).map(|from| {
-            let behind: Vec<&str> = match elements[from]["kind"].as_str() {
-                Some("pot") if !self.drives_other(from, &junction.integrator) => {
-                    cords(&elements[from]["in"]).collect()
-                }
-                _ => Vec::new(),
+        let each = own.map(|(_, from)| {
+            let is_pot = self.patch.elements.get(from).is_some_and(|entry| entry.kind.name == "pot");
+            let behind: Vec<&str> = match is_pot && !self.drives_other(from, &junction.integrator) {
+                true => self.patch.written_cords(from).map(|(_, behind)| behind).collect(),
+                false => Vec::new(),
             };
             match behind.as_slice() {
                 [behind] => total(behind, from),
@@ -263,7 +279,7 @@ impl<'a> Wiring<'a> {
 
     /// Wires it into the cords of an output, to elements and to instances of macros.
     fn splice(&mut self, reading: &Reading) {
-        self.inputs.insert(Reads::In.word().to_owned(), json!(reading.at));
+        self.inputs.insert(Reads::In.word().to_owned(), reading.at.clone());
         let (patch, out) = (self.patch, self.port(Gives::Out));
         let is_own = |name: &str| !name.contains('.');
         for (name, entry) in patch.elements.iter().filter(|(name, _)| is_own(name)) {
@@ -272,21 +288,16 @@ impl<'a> Wiring<'a> {
             }
         }
         for (name, instance) in patch.instances.iter().filter(|(name, _)| is_own(name)) {
-            for (port, inlet) in &instance.inputs {
-                if inlet.driver.as_ref() == Some(&reading.at) {
-                    put_into(&mut self.element(name)[port], &reading.at, &out);
-                }
+            if instance.inputs.values().any(|inlet| inlet.driver.as_ref() == Some(&reading.at)) {
+                self.replug(name, &reading.at, &out);
             }
         }
     }
 
-    /// Puts other cords into the jacks of an element; a setting may have the same name as a cord.
+    /// Puts another name in place of one that is plugged into an element or an instance.
     fn replug(&mut self, name: &str, from: &str, to: &str) {
-        let kind = self.patch.elements[name].kind;
-        let Some(entries) = self.element(name).as_object_mut() else { return };
-        let is_jack = |key: &str| !["kind", "note", "uses"].contains(&key) && kind.setting(key).is_none();
-        let jacks = entries.iter_mut().filter(|(key, _)| is_jack(key));
-        jacks.for_each(|(_, jack)| put_into(jack, from, to));
+        let [element, from, to] = [name, from, to].map(str::to_owned);
+        self.rewirings.push(Rewiring::Replug { element, from, to });
     }
 
     fn graft(mut self) -> Result<Graft, EditError> {
@@ -295,60 +306,62 @@ impl<'a> Wiring<'a> {
             let largest = self.largest(formula);
             self.words.insert(gain.clone(), format!("{}", ten_above(largest)));
         }
-        let mut drives = Map::new();
+        let mut drives = Vec::new();
         for (name, drive) in &form.drives {
             let own = format!("{}-{name}", self.name);
             self.words.insert(name.clone(), own.clone());
-            drives.insert(own, drive.clone());
+            drives.push((own, drive));
         }
         let macro_name = free_or(&self.attached.effect.name, |name| {
             self.patch.macros.contains_key(name) || elements::find(Family::Computing, name).is_some()
         });
-        let mut edits = self.edits(&macro_name);
-        for (name, scale) in &self.scales {
-            put(&mut edits, self.patch, "scales", name, scale.clone());
+        let mut editor = self.patch.edit();
+        self.put_elements(&macro_name, &mut editor)?;
+        for (name, per_volt, unit) in &self.scales {
+            editor.put_scale(name, per_volt.clone(), unit);
         }
         for (name, drive) in drives {
-            put(&mut edits, self.patch, "drives", &name, self.written(&drive));
+            match self.written(drive) {
+                Value::Object(entry) => editor.put_drive(&name, ElementBuilder::of(entry)),
+                // What it is instead is reported when the text is read.
+                other => editor.put(&["drives", name.as_str()], other),
+            }
         }
-        edits.push(Edit::new("machine", "unlimited"));
+        editor.set_machine("unlimited");
         let free: Vec<String> = form.free.iter().map(|state| self.initial(state)).collect();
         for (state, name) in form.free.iter().zip(&free) {
             let limit = |end: &str, default| form.elements[state]["limit"][end].as_f64().unwrap_or(default);
             let range = [limit("lower", -REFERENCE), limit("upper", REFERENCE)];
-            let value = json!({"value": 0, "unit": "1", "range": range, "description": "initial voltage"});
-            put(&mut edits, self.patch, "parameters", name, value);
+            let initial = ParameterBuilder::new(0, "1").range(range).description("initial voltage");
+            editor.put_parameter(name, initial);
         }
-        let patch = self.patch.edited(self.patch.file(), &edits)?;
+        let patch = editor.finish(self.patch.file())?;
         Ok(Graft { patch, parameters: self.parameters, free })
     }
 
-    fn edits(&self, macro_name: &str) -> Vec<Edit> {
-        let mut edits = Vec::new();
+    /// Puts the parameters, the macro, its instances and the new elements, and changes cords. The order is that of states and
+    /// sums.
+    fn put_elements(&self, macro_name: &str, editor: &mut PatchEditor) -> Result<(), EditError> {
+        let effect = self.attached.effect;
         for own in &self.parameters {
-            let told = &self.attached.effect.parameters[&own.of];
-            let value = json!({
-                "value": own.value, "unit": own.unit, "range": own.range, "description": told.description,
-            });
-            put(&mut edits, self.patch, "parameters", &own.name, value);
+            let parameter = ParameterBuilder::new(own.value, &own.unit).range(own.range);
+            editor.put_parameter(&own.name, parameter.description(&effect.parameters[&own.of].description));
         }
         if self.goes_by_the_clock() {
-            let value = json!({"value": 0, "unit": "s", "description": "when the record begins"});
-            put(&mut edits, self.patch, "parameters", RECORD_START, value);
+            let start = ParameterBuilder::new(0, "s").description("when the record begins");
+            editor.put_parameter(RECORD_START, start);
         }
-        put(&mut edits, self.patch, "macros", macro_name, self.fragment());
+        editor.put_macro(macro_name, MacroBuilder::of(self.fragment()));
         let others = self.others.iter().map(|(name, inputs)| (name, inputs));
         for (name, inputs) in [(&self.name, &self.inputs)].into_iter().chain(others) {
-            let mut instance = Map::new();
-            instance.insert("kind".to_owned(), json!(macro_name));
-            instance.extend(inputs.clone());
-            instance.insert("note".to_owned(), json!(self.attached.effect.title));
-            put(&mut edits, self.patch, "elements", name, Value::Object(instance));
+            let instance = ElementBuilder::new(macro_name);
+            let instance = inputs.iter().fold(instance, |instance, (port, from)| instance.cord(port, from));
+            editor.put_element(name, instance.set("note", effect.title.as_str()));
         }
         for (name, element) in &self.elements {
-            put(&mut edits, self.patch, "elements", name, element.clone());
+            editor.put_element(name, element.clone());
         }
-        edits
+        self.rewirings.iter().try_for_each(|rewiring| rewiring.apply(editor))
     }
 
     fn goes_by_the_clock(&self) -> bool {
@@ -356,7 +369,7 @@ impl<'a> Wiring<'a> {
     }
 
     /// The fragment as a macro.
-    fn fragment(&self) -> Value {
+    fn fragment(&self) -> Map<String, Value> {
         let effect = self.attached.effect;
         let inputs = self.inputs.keys().map(|role| {
             let meaning =
@@ -372,12 +385,14 @@ impl<'a> Wiring<'a> {
             }
             (name.clone(), element)
         });
-        json!({
-            "note": format!("{} {}. Source: {}", effect.physics, effect.law, effect.source),
-            "inputs": inputs.collect::<Map<_, _>>(),
-            "outputs": outputs.collect::<Map<_, _>>(),
-            "elements": elements.collect::<Map<_, _>>(),
-        })
+        let note = format!("{} {}. Source: {}", effect.physics, effect.law, effect.source);
+        let keys = [
+            ("note", Value::String(note)),
+            ("inputs", Value::Object(inputs.collect())),
+            ("outputs", Value::Object(outputs.collect())),
+            ("elements", Value::Object(elements.collect())),
+        ];
+        keys.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
     }
 
     /// Name of the parameter that is the initial voltage of a state inside.
@@ -457,36 +472,6 @@ impl Scope for Values<'_> {
 
     fn names(&self) -> Vec<&str> {
         self.values.iter().map(|(name, _)| *name).collect()
-    }
-}
-
-/// Puts a named thing into a section, which may not be there yet.
-fn put(edits: &mut Vec<Edit>, patch: &Patch, section: &str, name: &str, value: Value) {
-    if patch.value().get(section).is_some() {
-        edits.push(Edit { path: vec![section.to_owned(), name.to_owned()], value });
-        return;
-    }
-    let found = edits.iter_mut().find(|edit| edit.path == [section]);
-    match found.map(|edit| &mut edit.value) {
-        Some(Value::Object(entries)) => {
-            entries.insert(name.to_owned(), value);
-        }
-        _ => edits.push(Edit { path: vec![section.to_owned()], value: json!({name: value}) }),
-    }
-}
-
-/// What drives a jack: one cord, or a list of them.
-fn cords(jack: &Value) -> impl Iterator<Item = &str> {
-    jack.as_array().map_or(std::slice::from_ref(jack), Vec::as_slice).iter().filter_map(Value::as_str)
-}
-
-/// Puts other cords into jacks.
-fn put_into(jacks: &mut Value, from: &str, to: &str) {
-    match jacks {
-        Value::String(text) if text == from => *text = to.to_owned(),
-        Value::Array(items) => items.iter_mut().for_each(|item| put_into(item, from, to)),
-        Value::Object(entries) => entries.values_mut().for_each(|item| put_into(item, from, to)),
-        _ => (),
     }
 }
 

@@ -2,6 +2,7 @@
 //! its place in its own file and not at every junction of a patch.
 
 use std::fmt::Display;
+use std::sync::LazyLock;
 
 use crate::effects::Effect;
 use crate::effects::attach::{Attached, Role};
@@ -15,7 +16,9 @@ use patchcord_core::ir::Program;
 use patchcord_core::patch::{EditError, Patch};
 
 /// The patch: a mass with friction, and two tanks.
-static PROBE: &str = include_str!("trial_patch.json");
+static PROBE: LazyLock<Patch> = LazyLock::new(|| {
+    Patch::parse("probe.json", include_str!("trial_patch.json")).expect("the trial patch is a document")
+});
 /// With which its names begin.
 const OWN: &str = "probe_";
 /// What formulas may name, where the hint tells it of the small patch.
@@ -34,8 +37,8 @@ const PEAKS: [f64; 1] = [1.0];
 /// # Errors
 /// What is wrong with the forms that cannot be wired, each at its elements.
 pub(crate) fn check(file: &str, text: &str, effect: &Effect) -> Result<(), Box<Report>> {
-    let patch = Patch::parse("probe.json", PROBE)?;
-    let circuit = Circuit::new(&patch, &[])?;
+    let patch: &Patch = &PROBE;
+    let circuit = Circuit::new(patch, &[])?;
     let drives: Vec<&str> = patch.drives.keys().map(String::as_str).collect();
     let sites = Sites::of(&circuit, &drives);
     let all = Attached::all(effect, &sites);
@@ -44,7 +47,7 @@ pub(crate) fn check(file: &str, text: &str, effect: &Effect) -> Result<(), Box<R
     let mut findings = Vec::new();
     for (number, form) in effect.forms.iter().enumerate() {
         let mut own = all.iter().filter(|attached| std::ptr::eq(attached.form, form));
-        let wrong = own.find_map(|attached| wired(attached, &patch).err().filter(|own| !is_of_numbers(own)));
+        let wrong = own.find_map(|attached| wired(attached, patch).err().filter(|own| !is_of_numbers(own)));
         let own = elements.get(number).copied().unwrap_or(&root);
         findings.extend(wrong.map(|error| finding(&error, own)));
     }

@@ -26,7 +26,7 @@ pub fn fit_base(
     fit: &[String],
     seed: u64,
 ) -> Result<Option<Stage>, ModelError> {
-    let version = Version { patch: patch.clone(), fit: fit.to_vec(), free: Vec::new(), steps: problem.steps };
+    let version = Version::new(patch.clone(), fit.to_vec(), Vec::new(), problem.steps);
     let model = problem.model(&version, &problem.train, &problem.outputs)?;
     let first = Point::of(&model, problem.outputs.len());
     let task = problem.task(&model, &problem.train, true);

@@ -49,16 +49,14 @@ pub(crate) fn attach_effect(
     peaks: &Peaks,
 ) -> Result<(Candidate, Version), Untried> {
     let largest = peaks.at(&attached.place);
-    let candidate = Candidate::new(attached, &stage.version.patch, &largest, &peaks.spectrum);
+    let candidate = Candidate::new(attached, stage.version.patch(), &largest, &peaks.spectrum);
     let candidate = candidate.map_err(ModelError::from)?.ok_or(Untried::Idle)?;
     let graft = &candidate.graft;
     let brought = graft.parameters.iter().map(|parameter| parameter.name.clone());
-    let version = Version {
-        patch: graft.patch.clone(),
-        fit: stage.version.fit.iter().cloned().chain(brought).collect(),
-        free: stage.version.free.iter().chain(&graft.free).cloned().collect(),
-        steps: stage.version.steps.max(candidate.steps(peaks.interval)),
-    };
+    let fit = stage.version.fit.iter().cloned().chain(brought).collect();
+    let free = stage.version.free.iter().chain(&graft.free).cloned().collect();
+    let steps = stage.version.steps.max(candidate.steps(peaks.interval));
+    let version = Version::new(graft.patch.clone(), fit, free, steps);
     Ok((candidate, version))
 }
 
@@ -108,7 +106,7 @@ pub fn fit_trial(
 }
 
 pub(crate) fn sites_of(problem: &Problem, stage: &Stage) -> Result<Sites, ModelError> {
-    Ok(Sites::fed(&stage.version.patch, &problem.drives)?)
+    Ok(Sites::fed(stage.version.patch(), &problem.drives)?)
 }
 
 /// An effect that was not tried at a place.

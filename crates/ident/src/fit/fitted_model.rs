@@ -1,25 +1,25 @@
 //! A patch fitted to the training records and held against the others: where the search stands, and every attempt to go on.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
-use serde_json::json;
-
+use crate::data::experiment::Feed;
 use crate::effects::candidate::Candidate;
 use crate::effects::graft::Brought;
 use crate::fit::coloured_residual::NotWhite;
 use crate::fit::estimate::{Fitted, Point};
-use crate::fit::model::share;
+use crate::fit::model::{FitProgram, ModelError, share};
 use crate::fit::parameter_values::ParameterValues;
 use crate::fit::start_cache::Seen;
 use crate::fit::uncertainty::Known;
 use crate::statistics::whiteness::{colour, memory};
-use patchcord_core::patch::{Edit, EditError, Patch};
+use patchcord_core::patch::{EditError, Patch};
 
 /// A patch with what may be turned in it.
 #[derive(Debug, Clone)]
 pub struct Version {
-    /// The patch.
-    pub patch: Patch,
+    patch: Arc<Patch>,
+    /// The patch lowered for fitting, once it is; copies of the version share it.
+    lowered: Arc<OnceLock<Arc<FitProgram>>>,
     /// Parameters that are fitted.
     pub fit: Vec<String>,
     /// Parameters that are initial voltages.
@@ -29,6 +29,42 @@ pub struct Version {
 }
 
 impl Version {
+    /// A patch of which the parameters `fit` are fitted, and the parameters `free` are initial voltages found with them. Each
+    /// sample takes so many steps of the solver.
+    pub fn new(patch: impl Into<Arc<Patch>>, fit: Vec<String>, free: Vec<String>, steps: u32) -> Version {
+        Version { patch: patch.into(), lowered: Arc::default(), fit, free, steps }
+    }
+
+    /// The patch.
+    pub fn patch(&self) -> &Patch {
+        &self.patch
+    }
+
+    /// The same with so many steps from sample to sample.
+    pub fn with_steps(&self, steps: u32) -> Version {
+        Version { steps, ..self.clone() }
+    }
+
+    /// The same fit of another patch.
+    pub fn with_patch(&self, patch: impl Into<Arc<Patch>>) -> Version {
+        Version::new(patch, self.fit.clone(), self.free.clone(), self.steps)
+    }
+
+    /// The patch lowered for fitting with records that feed these drives. It is kept for the drives that come first: other
+    /// drives, or drives that are held otherwise, are lowered every time.
+    ///
+    /// # Errors
+    /// When the patch cannot be lowered so.
+    pub(crate) fn lowered(&self, drives: &[Feed]) -> Result<Arc<FitProgram>, ModelError> {
+        if let Some(kept) = self.lowered.get().filter(|kept| kept.is_for(drives)) {
+            return Ok(Arc::clone(kept));
+        }
+        let made = Arc::new(FitProgram::new(&self.patch, drives)?);
+        // Another thread may have kept its own by now.
+        let kept = self.lowered.get_or_init(|| Arc::clone(&made));
+        Ok(if kept.is_for(drives) { Arc::clone(kept) } else { made })
+    }
+
     /// How long a fit takes beside that of others: the runs for all derivatives, in steps.
     pub(crate) fn work(&self) -> usize {
         (self.fit.len() + self.free.len() + 1) * self.steps as usize
@@ -42,13 +78,13 @@ impl Version {
     /// The patch with what is fitted at these values, as one of a file.
     ///
     /// # Errors
-    /// None that is known: what is edited stands in the patch.
+    /// If a value is not finite.
     pub fn at(&self, file: &str, knobs: &[f64]) -> Result<Patch, EditError> {
-        let edits = self.fit.iter().zip(knobs).map(|(name, value)| Edit {
-            path: ["parameters", name, "value"].map(str::to_owned).to_vec(),
-            value: json!(value),
-        });
-        self.patch.edited(file, &edits.collect::<Vec<_>>())
+        let mut editor = self.patch.edit();
+        for (name, value) in self.fit.iter().zip(knobs) {
+            editor.set_parameter(name, *value)?;
+        }
+        editor.finish(file)
     }
 }
 

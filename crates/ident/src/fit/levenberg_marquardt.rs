@@ -417,6 +417,7 @@ pub(crate) fn nudged(at: &DVector<f64>, index: usize, by: f64) -> DVector<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::model::FitProgram;
     use patchcord_core::patch::Patch;
 
     /// An integrator that stays where it begins, at -50 ... 0 V, upside down.
@@ -442,7 +443,8 @@ mod tests {
             outputs: vec![vec![measured; 12]],
         }];
         let [free, outputs] = ["begin", "B1"].map(|name| [name.to_owned()]);
-        let model = Model::new(&patch, &records, &[], &[], &free, &outputs, 1).unwrap();
+        let lowered = FitProgram::new(&patch, &[]).unwrap();
+        let model = Model::new(&lowered, &patch, &records, &[], &free, &outputs, 1).unwrap();
         let task = Task {
             model: &model,
             records: &records,

@@ -1,16 +1,14 @@
 //! A patch as a model of records: fed with their drives, begun where its parameters say, read at their samples.
 
-use serde_json::{Value, json};
-
 use crate::data::drive_timing::RECORD_START;
-use crate::data::experiment::{Feed, with_tables};
+use crate::data::experiment::{Feed, put_tables};
 use crate::data::interpolation::points;
 use crate::data::record::Record;
 use crate::effects::graft::own_name;
 use patchcord_core::circuit::Circuit;
 use patchcord_core::document::{Phase, Report};
 use patchcord_core::ir::Program;
-use patchcord_core::patch::{Edit, EditError, Patch};
+use patchcord_core::patch::{EditError, ParameterBuilder, Patch};
 use patchcord_core::solve;
 use patchcord_core::solve::{
     Backend, DriveTableError, LEAST_TOLERANCE, Machine, RunError, RunSettings, run_abreast,
@@ -72,6 +70,35 @@ fn is_wide([low, high]: [f64; 2]) -> bool {
     low > 0.0 && high > WIDE * low
 }
 
+/// A patch lowered for fitting: drives that records feed are tables, and every initial voltage is a parameter. All models of one
+/// patch are made from one such program, so that they share the code of its kernels.
+#[derive(Debug)]
+pub struct FitProgram {
+    program: Program,
+    /// The initial voltages of the integrators and lags of the patch, as parameters of the program.
+    initial: Vec<Knob>,
+    drives: Vec<Feed>,
+}
+
+impl FitProgram {
+    /// Lowers a patch; `drives` name what records feed.
+    ///
+    /// # Errors
+    /// When the patch is wrong, or has no such drive.
+    pub fn new(patch: &Patch, drives: &[Feed]) -> Result<FitProgram, ModelError> {
+        let (prepared, initial) = prepared(patch, drives)?;
+        let program = Program::new(&Circuit::new(&prepared, &[])?)?;
+        Ok(FitProgram { program, initial, drives: drives.to_vec() })
+    }
+
+    /// Whether records feed these drives, held as they say.
+    pub(crate) fn is_for(&self, drives: &[Feed]) -> bool {
+        let mut pairs = self.drives.iter().zip(drives);
+        self.drives.len() == drives.len()
+            && pairs.all(|(own, other)| own.drive == other.drive && own.hold == other.hold)
+    }
+}
+
 /// A patch ready to be run beside records.
 #[derive(Debug, Clone)]
 pub struct Model {
@@ -109,24 +136,23 @@ pub enum ModelError {
 pub type Course = Vec<Vec<f64>>;
 
 impl Model {
-    /// A patch beside records; `drives` name what the records feed, `fit` what may be turned, `free` the parameters that
-    /// are initial voltages, `outputs` what is read. Each sample takes so many steps.
+    /// A patch as a model of records; `lowered` is its program, `fit` what may be turned, `free` the parameters that are initial
+    /// voltages, `outputs` what is read. Each sample takes so many steps.
     ///
     /// # Errors
-    /// When the patch cannot be fed or run so.
+    /// When a record cannot feed the program.
     pub fn new(
+        lowered: &FitProgram,
         patch: &Patch,
         records: &[Record],
-        drives: &[Feed],
         fit: &[String],
         free: &[String],
         outputs: &[String],
         steps: u32,
     ) -> Result<Model, ModelError> {
-        let (freed, mut initial) = freed(patch)?;
+        let mut initial = lowered.initial.clone();
         initial.extend(free.iter().filter_map(|name| Knob::of(patch, name)));
-        let program = Program::new(&Circuit::new(&with_tables(&freed, drives)?, &[])?)?;
-        let programs = records.iter().map(|record| fed(&program, record, drives));
+        let programs = records.iter().map(|record| fed(&lowered.program, record, &lowered.drives));
         Ok(Model {
             programs: programs.collect::<Result<_, _>>()?,
             settings: records.iter().map(|record| plan(record, outputs, steps)).collect(),
@@ -293,26 +319,23 @@ fn states(patch: &Patch) -> Result<Vec<(String, f64)>, ModelError> {
     Ok(own.map(|(element, volts)| (element.to_owned(), *volts)).collect())
 }
 
-fn initial_of(element: &str, value: Value) -> Edit {
-    Edit { path: ["elements", element, "initial"].map(str::to_owned).to_vec(), value }
-}
-
-/// The same patch with a parameter for every initial voltage.
-fn freed(patch: &Patch) -> Result<(Patch, Vec<Knob>), ModelError> {
-    let mut edits = Vec::new();
+/// The same patch with a parameter for every initial voltage, and with tables in place of the drives that records feed.
+fn prepared(patch: &Patch, drives: &[Feed]) -> Result<(Patch, Vec<Knob>), ModelError> {
+    let mut editor = patch.edit();
     let mut knobs = Vec::new();
-    let mut parameters = patch.value().get("parameters").cloned().unwrap_or_else(|| json!({}));
     for (element, value) in states(patch)? {
         let word: String =
             element.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '_' }).collect();
-        let taken = |name: &str| parameters.get(name).is_some() || patch.scales.contains_key(name);
+        let taken = |name: &str| {
+            editor.patch().parameters.contains_key(name) || editor.patch().scales.contains_key(name)
+        };
         let name = own_name(&format!("initial_{word}"), taken);
-        parameters[&name] = json!({"value": value, "unit": "1", "range": [-100, 100]});
-        edits.push(initial_of(&element, json!(name)));
+        editor.put_parameter(&name, ParameterBuilder::new(value, "1").range([-100, 100]));
+        editor.set_initial(&element, name.as_str())?;
         knobs.push(Knob { name, value, range: [-100.0, 100.0] });
     }
-    edits.push(Edit::new("parameters", parameters));
-    Ok((patch.edited(patch.file(), &edits)?, knobs))
+    put_tables(&mut editor, drives)?;
+    Ok((editor.finish(patch.file())?, knobs))
 }
 
 /// The same patch with initial voltages as they were found: of its integrators and lags, then of the parameters that are such
@@ -322,13 +345,14 @@ fn freed(patch: &Patch) -> Result<(Patch, Vec<Knob>), ModelError> {
 /// When the patch is no circuit.
 pub(crate) fn begun(patch: &Patch, free: &[String], initial: &[f64]) -> Result<Patch, ModelError> {
     let states = states(patch)?;
-    let own = states.iter().map(|(element, _)| element);
-    let begins = own.zip(initial).map(|(element, volts)| initial_of(element, json!(volts)));
-    let inside = free.iter().zip(initial.iter().skip(states.len())).map(|(name, volts)| Edit {
-        path: ["parameters", name, "value"].map(str::to_owned).to_vec(),
-        value: json!(volts),
-    });
-    Ok(patch.edited(patch.file(), &begins.chain(inside).collect::<Vec<_>>())?)
+    let mut editor = patch.edit();
+    for ((element, _), volts) in states.iter().zip(initial) {
+        editor.set_initial(element, *volts)?;
+    }
+    for (name, volts) in free.iter().zip(initial.iter().skip(states.len())) {
+        editor.set_parameter(name, *volts)?;
+    }
+    Ok(editor.finish(patch.file())?)
 }
 
 /// The program with the drives of a record.

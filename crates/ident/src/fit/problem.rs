@@ -50,7 +50,8 @@ impl Problem {
         records: &[Record],
         outputs: &[String],
     ) -> Result<Model, ModelError> {
-        Model::new(&version.patch, records, &self.drives, &version.fit, &version.free, outputs, version.steps)
+        let lowered = version.lowered(&self.drives)?;
+        Model::new(&lowered, version.patch(), records, &version.fit, &version.free, outputs, version.steps)
     }
 
     pub(crate) fn task<'a>(&'a self, model: &'a Model, records: &'a [Record], turns: bool) -> Task<'a> {

@@ -51,14 +51,13 @@ pub(crate) fn fineness_of(problem: &Problem, stage: &Stage) -> Result<Fineness, 
 /// # Errors
 /// When the patch cannot be run beside the records.
 pub(crate) fn steps_per_sample(problem: &Problem, patch: &Patch, fit: &[String]) -> Result<u32, ModelError> {
-    let version = Version { patch: patch.clone(), fit: fit.to_vec(), free: Vec::new(), steps: 1 };
+    let version = Version::new(patch.clone(), fit.to_vec(), Vec::new(), 1);
     let at = Point::of(&problem.model(&version, &problem.train, &problem.outputs)?, problem.outputs.len());
     let errors = solver_errors(problem, &version, &at, wanted(1.0))?;
     if let Some(steps) = fewest(&errors, wanted(1.0)) {
         return Ok(steps);
     }
-    let finest =
-        problem.model(&Version { steps: MOST_STEPS, ..version.clone() }, &problem.train, &problem.outputs)?;
+    let finest = problem.model(&version.with_steps(MOST_STEPS), &problem.train, &problem.outputs)?;
     let stands = problem.task(&finest, &problem.train, false).told(&at);
     let beside = stands.and_then(|stands| fewest(&errors, wanted(stands.over_noise())));
     Ok(beside.unwrap_or(MOST_STEPS))
@@ -77,7 +76,7 @@ pub(crate) fn refine_steps(problem: &Problem, stage: &Stage) -> Result<Option<St
         let enough = wanted(own.train.over_noise());
         let steps = fewest(&solver_errors(problem, version, point, enough)?, enough);
         let Some(steps) = steps.filter(|steps| *steps > version.steps) else { break };
-        let again = refit(problem, own, Version { steps, ..version.clone() }, point.clone())?;
+        let again = refit(problem, own, version.with_steps(steps), point.clone())?;
         let Some(again) = again else { break };
         refined = Some(again);
     }
@@ -109,7 +108,7 @@ fn run_with_steps(
     at: &Point,
     steps: u32,
 ) -> Result<Option<Vec<Course>>, ModelError> {
-    let model = problem.model(&Version { steps, ..version.clone() }, &problem.train, &problem.outputs)?;
+    let model = problem.model(&version.with_steps(steps), &problem.train, &problem.outputs)?;
     let courses =
         spare::each(at.initial.len(), |record| model.run(record, &[at.choice(record)]).pop().flatten());
     Ok(courses.into_iter().collect())

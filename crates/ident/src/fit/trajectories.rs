@@ -3,15 +3,13 @@
 use crate::fit::fitted_model::Stage;
 use crate::fit::model::{Course, ModelError};
 use crate::fit::problem::Problem;
-use patchcord_core::circuit::Circuit;
 
 /// The names of all signals and drives of a stage, and of every training record what they do, as it is fitted.
 pub(crate) fn all_trajectories(
     problem: &Problem,
     stage: &Stage,
 ) -> Result<(Vec<String>, Vec<Course>), ModelError> {
-    let circuit = Circuit::new(&stage.version.patch, &[])?;
-    let patch = circuit.patch();
+    let patch = stage.version.patch();
     let names = patch.signals.keys().chain(patch.drives.keys()).cloned().collect::<Vec<_>>();
     let model = problem.model(&stage.version, &problem.train, &names)?;
     let courses = (0..problem.train.len()).map(|record| {

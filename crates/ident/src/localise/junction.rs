@@ -92,7 +92,7 @@ pub(super) struct At<'a> {
 impl At<'_> {
     /// The force; nothing where none comes to anything.
     pub fn whereabouts(&self) -> Result<Option<Whereabouts>, ModelError> {
-        let (patch, drive) = with_table(&self.stage.version.patch, self.junction, &[[0.0, 0.0]])?;
+        let (patch, drive) = with_table(self.stage.version.patch(), self.junction, &[[0.0, 0.0]])?;
         let version = self.version(patch);
         let model = self.problem.model(&version, &self.problem.train, &self.problem.outputs)?;
         let task = self.problem.task(&model, &self.problem.train, true);
@@ -109,7 +109,7 @@ impl At<'_> {
         let recovered = match &best {
             Some((_, Some(closed))) => self.at(&closed.patch, &closed.found)?,
             _ => {
-                let (patch, _) = with_table(&self.stage.version.patch, self.junction, &forces[0])?;
+                let (patch, _) = with_table(self.stage.version.patch(), self.junction, &forces[0])?;
                 self.at(&patch, &found)?
             }
         };
@@ -158,7 +158,7 @@ impl At<'_> {
     }
 
     fn version(&self, patch: Patch) -> Version {
-        Version { patch, ..self.stage.version.clone() }
+        self.stage.version.with_patch(patch)
     }
 
     fn sought<'s>(&'s self, task: Task<'s>, table: Table<'s>, shape: &'s Shape) -> Sought<'s> {
@@ -351,7 +351,7 @@ impl At<'_> {
         let (knots, numbers) = (column(0), column(1));
         let shape = setting(&knots, self.junction, reading, self.problem.train.len());
         let wired = |numbers: &[f64]| {
-            with_function(&self.stage.version.patch, self.junction, reading, &shape.points(0, numbers))
+            with_function(self.stage.version.patch(), self.junction, reading, &shape.points(0, numbers))
         };
         let (patch, element) = wired(&numbers)?;
         let version = self.version(patch);
@@ -382,7 +382,7 @@ impl At<'_> {
             Some(&self.stage.test.point.initial),
             Effort::FULL,
         )?;
-        Ok(test.map(|test| Closed { patch: version.patch, found, test }))
+        Ok(test.map(|test| Closed { patch: version.patch().clone(), found, test }))
     }
 }
 

@@ -412,7 +412,7 @@ mod tests {
         problem.train[0].interval = INTERVAL;
         problem.train[0].outputs.push(vec![0.0; SAMPLES]);
         let fit = vec!["p".to_owned()];
-        let version = Version { patch: patch.clone(), fit, free: Vec::new(), steps: STEPS };
+        let version = Version::new(patch.clone(), fit, Vec::new(), STEPS);
         let model = problem.model(&version, &problem.train, &problem.outputs).unwrap();
         let task = problem.task(&model, &problem.train, true);
         let groups = (0..KNOTS).map(|own| (knot(own), vec![(own, 1.0)])).collect();

@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::data::drive_timing::RECORD_START;
 use crate::data::experiment::Experiment;
@@ -17,7 +17,7 @@ use crate::search::outcome::Outcome;
 use crate::search::round::Round;
 use patchcord_analysis::instruments::number;
 use patchcord_core::document::behind;
-use patchcord_core::patch::{Edit, Patch};
+use patchcord_core::patch::Patch;
 
 /// The patch as it was, with every parameter at its fitted value.
 ///
@@ -82,22 +82,26 @@ fn effect_text(outcome: &Outcome, own: &Candidate, round: &Round) -> String {
 
 /// The patch of a stage as it was fitted: parameters, and the voltages with which the first record begins.
 fn standing(stage: &Stage) -> Result<Patch, ModelError> {
-    let at = stage.version.at(stage.version.patch.file(), &stage.train.point.knobs)?;
+    let at = stage.version.at(stage.version.patch().file(), &stage.train.point.knobs)?;
     begun(&at, &stage.version.free, &stage.train.point.initial[0])
 }
 
 /// A patch as one of a file, with a note of where it comes from in front of its own, and the clock of the first record.
 fn finished(patch: &Patch, experiment: &Experiment, told: &str, file: &str) -> Result<Patch, ModelError> {
-    let own = patch.value()["note"].as_str().map_or_else(String::new, |own| format!("\n\n{own}"));
+    let own = if patch.note.is_empty() { String::new() } else { format!("\n\n{}", patch.note) };
     let (from, data) = (experiment.patch.file(), data(experiment));
     let note = format!("Made by patchcord gap of {from} beside {data}: {told}{own}");
-    let mut edits = vec![Edit::new("note", note)];
+    let mut editor = patch.edit();
+    editor.set_note(&note);
     if patch.parameters.contains_key(RECORD_START) {
         let since = experiment.train.first().map_or(0.0, |record| record.since);
-        edits.push(Edit::new(&format!("parameters/{RECORD_START}/value"), json!(since)));
+        editor.set_parameter(RECORD_START, since)?;
     }
-    edits.extend(tables(patch, file));
-    Ok(patch.edited(file, &edits)?)
+    // Their files are then looked for from the folder of the new file.
+    for (path, csv) in tables(patch, file) {
+        editor.put(&path, csv);
+    }
+    Ok(editor.finish(file)?)
 }
 
 /// The files that hold tables of a patch.
@@ -107,12 +111,8 @@ pub fn table_files(patch: &Patch) -> Vec<PathBuf> {
 }
 
 /// Where a patch names files with tables from its folder, their names from that of another file.
-fn tables(patch: &Patch, file: &str) -> Vec<Edit> {
-    let edit = |(path, csv): (Vec<&str>, &str)| {
-        let value = json!(renamed(patch.file(), csv, file)?);
-        Some(Edit { path: path.into_iter().map(str::to_owned).collect(), value })
-    };
-    tables_named(patch).filter_map(edit).collect()
+fn tables<'p>(patch: &'p Patch, file: &str) -> Vec<(Vec<&'p str>, String)> {
+    tables_named(patch).filter_map(|(path, csv)| Some((path, renamed(patch.file(), csv, file)?))).collect()
 }
 
 /// The places where a patch names files with tables, and these.

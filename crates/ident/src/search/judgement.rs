@@ -71,7 +71,7 @@ pub(crate) fn judge(
         overload: first_overload(problem, told)?,
         agreement: agreement_of_starts(problem, &base, with.seed)?,
         correlations: correlations_of(problem, &base)?,
-        places: Places::of(&base.version.patch, &problem.drives, with.library)?,
+        places: Places::of(base.version.patch(), &problem.drives, with.library)?,
         base: with_errors(problem, base)?,
         rounds,
         effects,

@@ -1,16 +1,13 @@
 //! Values beyond the ranges that a patch was fitted in: they may be all that it lacks.
 
-use serde_json::json;
-
 use crate::fit::estimate::Fitted;
 use crate::fit::estimation::refit;
-use crate::fit::fitted_model::{Stage, Version};
+use crate::fit::fitted_model::Stage;
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
 use crate::search::verdict::Verdict;
 use crate::statistics::acceptance::APART;
 use crate::statistics::block_comparison::advantage;
-use patchcord_core::patch::Edit;
 
 /// So many times as far from zero a range goes, or so much nearer, where a patch stood at its end.
 const WIDER: f64 = 10.0;
@@ -55,15 +52,18 @@ pub(crate) fn extend_ranges(
     let was: Vec<Option<(f64, f64)>> = base.version.ranges().collect();
     let widened = base.at_end().filter_map(|place| {
         let (low, high) = wider(was[place]?, base.train.point.knobs[place]);
-        let path = ["parameters", &base.version.fit[place], "range"].map(str::to_owned).to_vec();
-        (was[place] != Some((low, high))).then(|| Edit { path, value: json!([low, high]) })
+        (was[place] != Some((low, high))).then(|| (&base.version.fit[place], [low, high]))
     });
-    let widened: Vec<Edit> = widened.collect();
+    let widened: Vec<(&String, [f64; 2])> = widened.collect();
     if widened.is_empty() || !base.leaves_structure() {
         return Ok(None);
     }
-    let patch = base.version.patch.edited(base.version.patch.file(), &widened)?;
-    let version = Version { patch, ..base.version.clone() };
+    let mut editor = base.version.patch().edit();
+    for (name, range) in widened {
+        editor.set_range(name, range)?;
+    }
+    let patch = editor.finish(base.version.patch().file())?;
+    let version = base.version.with_patch(patch);
     let Some(stage) = refit(problem, base, version, base.train.point.clone())? else { return Ok(None) };
     let places: Vec<usize> = stage.beyond_of(&was).collect();
     let of = |own: fn(&Stage) -> &Fitted| advantage(&own(&stage).residuals, &own(last).residuals);

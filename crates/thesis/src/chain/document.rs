@@ -1,14 +1,19 @@
 //! The circuit of Fig 8.16 as a document, with a slideway's parameters, and with scales that leave room for it.
 
+use std::sync::LazyLock;
+
 use serde_json::{Value, json};
 
 use super::error::{Beyond, ChainError};
 use super::parameters::Parameters;
 use super::ramp::Ramp;
 use super::settings::Settings;
-use patchcord_core::patch::{Edit, Patch};
+use patchcord_core::patch::Patch;
 
-const FIG_8_16: &str = include_str!("../../../../patches/thesis/fig-8-16.json");
+static FIG_8_16: LazyLock<Patch> = LazyLock::new(|| {
+    let text = include_str!("../../../../patches/thesis/fig-8-16.json");
+    Patch::parse("fig-8-16.json", text).expect("the circuit of the study is a document")
+});
 
 /// By how much the scales of Fig 8.16, scale set B, may be multiplied: all four together, which leaves every gain and the settings for K,
 /// M and f as they are.
@@ -24,8 +29,8 @@ const SCALED: [&str; 4] = ["Fs", "VcL", "v_start", "x_step"];
 const ROOM: f64 = 90.0;
 
 /// The study's circuit.
-pub(super) fn template() -> Result<Patch, ChainError> {
-    Ok(Patch::parse("fig-8-16.json", FIG_8_16)?)
+pub(super) fn template() -> &'static Patch {
+    &FIG_8_16
 }
 
 /// The value that a parameter has there.
@@ -92,26 +97,28 @@ impl Asked<'_> {
     /// Where a value is out of its range then.
     pub fn patch(&self, multiple: f64) -> Result<Patch, ChainError> {
         self.check(multiple)?;
-        let mut edits = vec![
-            Edit::new("title", self.title),
-            Edit::new("source", format!("Thesis Fig 8.16; scale set B times {multiple}")),
-            Edit::new("run", self.run()),
-            Edit::new("pictures", pictures()),
-        ];
+        let mut editor = self.template.edit();
+        editor.set_title(self.title);
+        editor.set_source(&format!("Thesis Fig 8.16; scale set B times {multiple}"));
+        editor.put(&["run"], self.run());
+        editor.put(&["pictures"], pictures());
         for scale in SCALES {
             let enlarged = rounded(per_volt(self.template, scale) * multiple);
-            edits.push(Edit::new(&format!("scales/{scale}/per_volt"), written(enlarged)));
+            editor.put(&["scales", scale, "per_volt"], written(enlarged));
         }
         for (name, value) in self.values() {
             let range = range(self.template, name, multiple).map(written);
-            edits.push(Edit::new(&format!("parameters/{name}/value"), written(value)));
-            edits.push(Edit::new(&format!("parameters/{name}/range"), json!(range)));
+            editor.put(&["parameters", name, "value"], written(value));
+            editor.put(&["parameters", name, "range"], json!(range));
         }
-        Ok(self.template.edited("slideway.json", &edits)?)
+        Ok(editor.finish("slideway.json")?)
     }
 
     /// That every value is one that the circuit takes, and one that it takes with these scales.
-    fn check(&self, multiple: f64) -> Result<(), ChainError> {
+    ///
+    /// # Errors
+    /// Where one is not.
+    pub fn check(&self, multiple: f64) -> Result<(), ChainError> {
         if let Some(beyond) = self.outside(|name| widest_range(self.template, name)) {
             return Err(ChainError::BeyondCircuit(beyond));
         }
@@ -171,14 +178,14 @@ mod tests {
 
     #[test]
     fn the_circuit_of_the_study_has_what_is_changed_in_it() {
-        let template = template().unwrap();
-        assert_eq!(default_of(&template, "v_rate"), 1.2e-3);
+        let template = template();
+        assert_eq!(default_of(template, "v_rate"), 1.2e-3);
         for name in SCALES {
-            assert!(per_volt(&template, name) > 0.0, "{name}");
+            assert!(per_volt(template, name) > 0.0, "{name}");
         }
         for name in SCALED {
-            assert_eq!(range(&template, name, 2.0)[1], 2.0 * range(&template, name, 1.0)[1], "{name}");
+            assert_eq!(range(template, name, 2.0)[1], 2.0 * range(template, name, 1.0)[1], "{name}");
         }
-        assert_eq!(range(&template, "K", 2.0), [5e6, 178e6]);
+        assert_eq!(range(template, "K", 2.0), [5e6, 178e6]);
     }
 }

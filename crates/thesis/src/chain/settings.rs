@@ -62,7 +62,7 @@ impl Settings {
                 return Err(ChainError::Setting { what, wanted: "above 0", value });
             }
         }
-        let template = template()?;
+        let template = template();
         let known: Vec<_> = template.parameters.keys().map(String::as_str).collect();
         match self.set.iter().find(|(name, _)| !known.contains(&name.as_str())) {
             None => Ok(()),

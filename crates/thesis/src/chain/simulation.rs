@@ -64,7 +64,7 @@ impl Simulation {
     /// # Errors
     /// Where no scales take the parameters, or the run cannot be made.
     pub fn new(title: &str, parameters: &Parameters, settings: &Settings) -> Result<Self, ChainError> {
-        let template = &template()?;
+        let template = template();
         let mut ramp = Ramp::first(template, parameters, settings)?;
         let mut scale = Asked { template, title, parameters, ramp: &ramp, settings }.first_scale();
         let mut left = MOST_LONGER;
@@ -115,7 +115,7 @@ impl Simulation {
     /// The next larger scales that take the parameters.
     fn larger_scale(&self, asked: &Asked<'_>, scale: usize) -> Result<usize, ChainError> {
         let larger = scale + 1;
-        if MULTIPLES.get(larger).is_some_and(|multiple| asked.patch(*multiple).is_ok()) {
+        if MULTIPLES.get(larger).is_some_and(|multiple| asked.check(*multiple).is_ok()) {
             return Ok(larger);
         }
         let element = self.trace.overloads().next().map_or_else(String::new, |lit| lit.element.clone());

@@ -1,6 +1,8 @@
 //! Runs of the shipped circuits with settings of their own, and the patches that say them.
 
+use std::collections::HashMap;
 use std::ops::Deref;
+use std::sync::LazyLock;
 
 use serde_json::{Value, json};
 
@@ -38,6 +40,14 @@ const CIRCUITS: &[(&str, &str)] = &[
     ("fig-8-17", include_str!("../../../../patches/thesis/fig-8-17.json")),
 ];
 
+/// The same as patches, by name.
+static PATCHES: LazyLock<HashMap<&str, Patch>> = LazyLock::new(|| {
+    let read = |(name, text): &(&'static str, &str)| {
+        (*name, Patch::parse(name, text).expect("a shipped circuit is a document"))
+    };
+    CIRCUITS.iter().map(read).collect()
+});
+
 /// The integrator of position error, in the circuits that small disturbances and noise come into.
 const POSITION_INTEGRATORS: [(&str, &str); 4] =
     [("fig-8-11", "A1"), ("fig-8-14", "A1"), ("fig-8-16", "A6"), ("fig-8-16-lag-last", "A6")];
@@ -49,19 +59,29 @@ const ABREAST: usize = 16;
 #[derive(Debug, Clone)]
 pub(super) struct Recipe {
     circuit: &'static str,
-    edits: Vec<Edit>,
+    changes: Vec<Change>,
     pictures: Vec<Value>,
+}
+
+/// A change of a circuit.
+#[derive(Debug, Clone)]
+enum Change {
+    /// A parameter, in its unit.
+    Parameter(String, f64),
+    /// A value at the end of a path of keys.
+    Put(Edit),
 }
 
 impl Recipe {
     /// A shipped circuit as it is.
     pub fn of(circuit: &'static str) -> Recipe {
-        Recipe { circuit, edits: Vec::new(), pictures: Vec::new() }
+        Recipe { circuit, changes: Vec::new(), pictures: Vec::new() }
     }
 
     /// A parameter, in its unit.
-    pub fn set(self, parameter: &str, value: f64) -> Recipe {
-        self.edit(&format!("parameters/{parameter}/value"), value)
+    pub fn set(mut self, parameter: &str, value: f64) -> Recipe {
+        self.changes.push(Change::Parameter(parameter.to_owned(), value));
+        self
     }
 
     /// Several parameters, each in its unit.
@@ -146,20 +166,29 @@ impl Recipe {
 
     /// Anything else, at the end of a path of keys.
     pub fn edit(mut self, path: &str, value: impl Into<Value>) -> Recipe {
-        self.edits.push(Edit::new(path, value));
+        self.changes.push(Change::Put(Edit::new(path, value)));
         self
     }
 
     /// The patch that says it all, under a name and a title.
     pub fn patch(&self, name: &str, title: &str) -> Result<Patch, Problem> {
-        let found = CIRCUITS.iter().find(|(circuit, _)| *circuit == self.circuit);
-        let (_, text) = found.ok_or_else(|| format!("there is no circuit {}", self.circuit))?;
-        let mut edits = self.edits.clone();
-        edits.push(Edit::new("title", title));
-        if !self.pictures.is_empty() {
-            edits.push(Edit::new("pictures", self.pictures.clone()));
+        let circuit =
+            PATCHES.get(self.circuit).ok_or_else(|| format!("there is no circuit {}", self.circuit))?;
+        let mut editor = circuit.edit();
+        for change in &self.changes {
+            match change {
+                Change::Parameter(name, value) => editor.set_parameter(name, *value)?,
+                Change::Put(Edit { path, value }) => {
+                    let path: Vec<&str> = path.iter().map(String::as_str).collect();
+                    editor.put(&path, value.clone());
+                }
+            }
         }
-        Ok(Patch::parse(self.circuit, text)?.edited(&format!("{name}.json"), &edits)?)
+        editor.set_title(title);
+        if !self.pictures.is_empty() {
+            editor.put(&["pictures"], self.pictures.clone());
+        }
+        Ok(editor.finish(&format!("{name}.json"))?)
     }
 
     /// What it is set to, in a line; without the parameters that are varied.

@@ -18,16 +18,15 @@ use patchcord_expr::Formula;
 /// Puts the elements of a document into the patch, instances of macros written out.
 pub(in crate::patch) fn write_out(
     mut macros: Macros,
-    items: IndexMap<String, Item>,
+    items: &IndexMap<String, Item>,
     patch: &mut Patch,
     findings: &mut Findings,
 ) {
     macros.order(findings);
-    check(&mut macros, &items, patch, findings);
-    let Written { elements, instances, ports, lost, full, .. } =
-        Written::of(&macros, &items, patch, findings);
+    check(&mut macros, items, patch, findings);
+    let Written { elements, instances, ports, lost, full, .. } = Written::of(&macros, items, patch, findings);
     if !any_error(findings) {
-        unused(&macros, &items, findings);
+        unused(&macros, items, findings);
     }
     (patch.elements, patch.instances, patch.ports) = (elements, instances, ports);
     patch.lost.names.extend(lost);

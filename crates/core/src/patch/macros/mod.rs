@@ -4,6 +4,7 @@
 //! belongs together is kept beside, as [`Instance`].
 
 mod check;
+mod edit;
 mod expand;
 mod instance;
 mod outline;

@@ -107,6 +107,16 @@ fn setting(named: &tree::Entry, findings: &mut Findings) -> MacroSetting {
 }
 
 impl Macros {
+    /// Reads one more macro, in place of the one of its name. Its elements may be instances of the others.
+    pub(in crate::patch) fn define(&mut self, named: &tree::Entry, findings: &mut Findings) {
+        let Some((header, body)) = header(named, findings) else { return };
+        self.defined.insert(named.key.clone(), header);
+        let Some(body) = body else { return };
+        let (items, lost) = self.items(body, findings);
+        let own = &mut self.defined[&named.key];
+        (own.items, own.lost) = (items, lost);
+    }
+
     /// The elements of a section, and the names of those that could not be read.
     fn items(&self, body: &Node, findings: &mut Findings) -> (IndexMap<String, Item>, HashSet<String>) {
         let (mut items, mut lost) = (IndexMap::new(), HashSet::new());

@@ -3,7 +3,7 @@
 use crate::design::detectability::cleared::{Both, Cleared};
 use crate::design::detectability::half::{Change, Half};
 use crate::fit::estimate::Point;
-use crate::fit::fitted_model::{Stage, Version};
+use crate::fit::fitted_model::Stage;
 use crate::fit::model::ModelError;
 use crate::fit::problem::Problem;
 use crate::statistics::acceptance::{Bar, CONFIRMED};
@@ -28,7 +28,7 @@ impl<'a> Ground<'a> {
         bar: Bar,
         steps: u32,
     ) -> Result<Option<Ground<'a>>, ModelError> {
-        let version = Version { steps, ..before.version.clone() };
+        let version = before.version.with_steps(steps);
         let train = Half::of(problem, &version, &problem.train, &before.train.point)?;
         let test = Half::of(problem, &version, &problem.test, &before.test.point)?;
         Ok(train.zip(test).map(|(train, test)| {

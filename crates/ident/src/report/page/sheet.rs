@@ -44,7 +44,7 @@ pub(super) fn bar(share: f64) -> String {
 /// The parameters of a stage as they were fitted, and what each belongs to.
 pub(super) fn parameters(outcome: &Outcome, stage: &Stage) -> String {
     let rows = stage.version.fit.iter().enumerate().map(|(place, name)| {
-        let known = stage.version.patch.parameters.get(name);
+        let known = stage.version.patch().parameters.get(name);
         let (unit, what) = known.map_or(("1", ""), |own| (own.unit.text(), own.description.as_str()));
         let value = estimate_text(stage, place);
         let (error, interval) = (error_text(stage, place), interval_text(stage.known(place)));
